@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <cstdint>
+
+// What the core answers: one plain struct per output channel. Units, frames and signs are those of
+// the LCM types of the same channel (lcm_types/).
+
+namespace lodestar::samples {
+
+enum class AttitudeMode : std::int8_t {
+  kWaiting = 0,     // nothing to align on yet
+  kAligning = 1,    // attitude known, sigma above its limit
+  kRunning = 2,     // vector measurements arrive and are used
+  kCoasting = 3,    // gyros only
+  kRealigning = 4,  // after a gap in the body rates
+};
+
+enum class FusionMode : std::int8_t {
+  kWaiting = 0,        // no position yet
+  kAiding = 1,         // GPS is used
+  kDeadReckoning = 2,  // GPS is lost
+  kReacquiring = 3,    // GPS is back and being examined
+};
+
+/// SAHRS, AHRS.
+struct Attitude {
+  std::int64_t time_us = 0;
+  Eigen::Quaterniond q_NB = Eigen::Quaterniond::Identity();
+  double roll = 0.0;                                       // rad
+  double pitch = 0.0;                                      // rad
+  double heading = 0.0;                                    // rad, true, [0, 2 pi)
+  Eigen::Matrix3d P_B = Eigen::Matrix3d::Zero();           // rad^2, small rotation in B
+  Eigen::Vector3d omega_B = Eigen::Vector3d::Zero();       // rad/s, bias removed (not published)
+  Eigen::Vector3d gyro_bias_B = Eigen::Vector3d::Zero();   // rad/s
+  Eigen::Vector3d field_bias_B = Eigen::Vector3d::Zero();  // nT
+  std::int32_t used = 0;                                   // bit per measurement
+  std::int32_t rejected = 0;                               // bit per measurement
+  std::int16_t reset_count = 0;
+  Eigen::Vector3d reset_delta_B = Eigen::Vector3d::Zero();  // rad
+  AttitudeMode mode = AttitudeMode::kWaiting;
+  bool valid = false;
+};
+
+/// NAV.
+struct Navigation {
+  std::int64_t time_us = 0;
+  double lat = 0.0;                                          // rad
+  double lon = 0.0;                                          // rad
+  double h = 0.0;                                            // m
+  Eigen::Vector3d v_N = Eigen::Vector3d::Zero();             // m/s
+  double roll = 0.0;                                         // rad
+  double pitch = 0.0;                                        // rad
+  double heading = 0.0;                                      // rad, true, [0, 2 pi)
+  Eigen::Vector3d wind_N = Eigen::Vector3d::Zero();          // m/s
+  Eigen::Vector3d sigma_position = Eigen::Vector3d::Zero();  // m
+  Eigen::Vector3d sigma_velocity = Eigen::Vector3d::Zero();  // m/s
+  Eigen::Vector3d sigma_attitude = Eigen::Vector3d::Zero();  // rad, roll, pitch, heading
+  Eigen::Vector2d sigma_wind = Eigen::Vector2d::Zero();      // m/s
+  Eigen::Vector2d gps_error = Eigen::Vector2d::Zero();       // m, measured - true
+  double gps_age = -1.0;                                     // s; -1 before the first fix
+  double horizontal_protection_level = -1.0;                 // m; -1 none
+  std::int16_t reset_count = 0;
+  Eigen::Vector2d reset_delta = Eigen::Vector2d::Zero();  // m
+  FusionMode mode = FusionMode::kWaiting;
+  bool valid = false;
+};
+
+}  // namespace lodestar::samples
