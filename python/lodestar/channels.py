@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from lodestar import messages
+import lodestar.messages as messages
 
 MESSAGE_OF_INPUT: dict[str, type[Any]] = {
     "EFCS.RATES": messages.body_rates_t,
