@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <tuple>
+
+#include "lodestar/fusion/cascade.h"
+#include "lodestar/navigator/config.h"
+#include "lodestar/navigator/frame_clock.h"
+#include "lodestar/navigator/pending.h"
+#include "lodestar/navigator/sensor_watch.h"
+#include "lodestar/sahrs/paper_sahrs.h"
+#include "lodestar/samples/health.h"
+#include "lodestar/samples/samples.h"
+
+namespace lodestar::navigator {
+
+/// What one frame answers. SAHRS and NAV always, the rest when it is due.
+struct Outputs {
+  samples::Attitude sahrs;
+  samples::Navigation nav;
+  bool health_due = false;  // once per second of flight time, and on the first frame
+};
+
+/// The flight computer without its shell: timed samples in, timed outputs out.
+///
+/// It does no I/O, reads no clock, starts no thread and, after construction, allocates and throws
+/// nothing. The same samples in the same order give the same outputs, bit for bit.
+///
+/// EFCS.RATES makes the frames. Any other sample waits for the first frame at or after its time of
+/// validity and is then applied in order of time; what is older than 1 s, or still more than 50 ms
+/// ahead of the frame, is dropped and counted. Every sample that is not used is counted by channel
+/// and reason.
+class Navigator {
+ public:
+  explicit Navigator(const Config& config);
+
+  void offer(const samples::LoadFactor& sample);
+  void offer(const samples::MagneticField& sample);
+  void offer(const samples::AirData& sample);
+  void offer(const samples::GpsFix& sample);
+  // Channels of estimators that this build does not have: checked and counted, then forgotten.
+  void offer(const samples::SpecificForce& sample);
+  void offer(const samples::GpsObservables& sample);
+  void offer(const samples::InsSolution& sample);
+  void offer(const samples::SarMeasurement& sample);
+  void offer(const samples::RadarAltitude& sample);
+
+  /// One frame; valid until the next call. Null if the time of `rates` makes no frame. Rates whose
+  /// values are refused make a frame that coasts.
+  const Outputs* step(const samples::BodyRates& rates);
+
+  /// A message that never became a sample.
+  void count_rejection(samples::Channel channel, samples::Reason reason);
+
+  /// State of the whole at the last frame. The shell adds cycle times, dropped log lines and version.
+  samples::Health health() const;
+
+ private:
+  // A load factor at 1000 Hz between two frames at 30 Hz, with as much again for jitter.
+  static constexpr std::size_t kDeep = 72;
+  static constexpr std::size_t kShallow = 16;
+
+  template <class Sample, std::size_t Capacity>
+  struct Input {
+    Input(samples::Channel which, double timeout) : channel(which), watch(timeout) {}
+    samples::Channel channel;
+    SensorWatch<Sample> watch;
+    Pending<Sample, Capacity> pending;
+  };
+
+  template <class Sample, std::size_t Capacity>
+  void receive(Input<Sample, Capacity>& input, const Sample& sample, bool has_consumer);
+  template <class Sample>
+  bool accept(SensorWatch<Sample>& watch, samples::Channel channel, const Sample& sample);
+
+  void start_over();
+  void apply_pending();
+  template <class Input>
+  void apply_front(Input& input);
+  samples::Use apply(const samples::LoadFactor& sample) { return sahrs_.update(sample); }
+  samples::Use apply(const samples::MagneticField& sample) { return sahrs_.update(sample); }
+  samples::Use apply(const samples::AirData& sample);
+  samples::Use apply(const samples::GpsFix& sample) { return cascade_.update(sample); }
+  template <class Input>
+  void drop_future(Input& input);
+  void propagate(const samples::BodyRates& rates, bool usable);
+  void publish(std::int64_t time_us);
+
+  Config config_;
+  FrameClock clock_;
+  sahrs::PaperSahrs sahrs_;
+  fusion::Cascade cascade_;
+  samples::Counters counters_{};
+  Outputs outputs_;
+  std::int64_t rates_us_ = 0;         // time of the last body rates that could be used
+  std::int64_t next_health_us_ = 0;   // flight time at which HEALTH is due
+  bool have_rates_ = false;
+
+  SensorWatch<samples::BodyRates> body_rates_;
+  std::tuple<Input<samples::LoadFactor, kDeep>, Input<samples::MagneticField, kShallow>,
+             Input<samples::AirData, kShallow>, Input<samples::GpsFix, kShallow>>
+      inputs_;
+  SensorWatch<samples::SpecificForce> specific_force_;
+  SensorWatch<samples::GpsObservables> gps_observables_;
+  SensorWatch<samples::InsSolution> ins_;
+  SensorWatch<samples::SarMeasurement> sar_;
+  SensorWatch<samples::RadarAltitude> radar_altitude_;
+};
+
+}  // namespace lodestar::navigator
