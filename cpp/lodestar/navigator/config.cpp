@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "lodestar/navigator/config.h"
 
+#include <toml++/toml.h>
 #include <array>
 #include <cstring>
 #include <map>
 #include <set>
 #include <sstream>
-#include <toml++/toml.h>
 #include <type_traits>
 
 #include "lodestar/math/crc32.h"

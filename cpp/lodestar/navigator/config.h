@@ -32,12 +32,12 @@ struct EarthParameters {
 
 /// [initial]: what is known before the first measurement.
 struct InitialParameters {
-  double lat = 57.5 * math::kDegree;  // rad
-  double lon = 16.0 * math::kDegree;  // rad
-  double h = 0.0;                     // m
-  std::optional<double> roll;         // rad
-  std::optional<double> pitch;        // rad
-  std::optional<double> heading;      // rad
+  double lat = 57.5 * math::kDegree;            // rad
+  double lon = 16.0 * math::kDegree;            // rad
+  double h = 0.0;                               // m
+  std::optional<double> roll;                   // rad
+  std::optional<double> pitch;                  // rad
+  std::optional<double> heading;                // rad
   double attitude_sigma = 2.0 * math::kDegree;  // rad
   double heading_sigma = 2.0 * math::kDegree;   // rad
 
@@ -48,18 +48,20 @@ struct InitialParameters {
                      "Latitude until the first GPS fix, for the geomagnetic model", kDegree});
     visit(self.lon, {"lon_deg", "deg", -180.0, 360.0,
                      "Longitude until the first GPS fix, for the geomagnetic model", kDegree});
-    visit(self.h, {"h_m", "m", -1000.0, 40e3,
-                   "Height until the first GPS fix, for the geomagnetic model"});
-    visit(self.roll, {"roll_deg", "deg", -180.0, 180.0,
-                      "Roll at the start; with pitch and heading it replaces the alignment",
-                      kDegree});
+    visit(self.h,
+          {"h_m", "m", -1000.0, 40e3, "Height until the first GPS fix, for the geomagnetic model"});
+    visit(self.roll,
+          {"roll_deg", "deg", -180.0, 180.0,
+           "Roll at the start; with pitch and heading it replaces the alignment", kDegree});
     visit(self.pitch, {"pitch_deg", "deg", -90.0, 90.0, "Pitch at the start", kDegree});
-    visit(self.heading, {"heading_deg", "deg", -180.0, 360.0, "True heading at the start, as the "
-                         "INS had it last", kDegree});
+    visit(self.heading, {"heading_deg", "deg", -180.0, 360.0,
+                         "True heading at the start, as the "
+                         "INS had it last",
+                         kDegree});
     visit(self.attitude_sigma, {"attitude_sigma_deg", "deg", 0.01, 90.0,
                                 "1 sigma of roll and pitch at the start", kDegree});
-    visit(self.heading_sigma, {"heading_sigma_deg", "deg", 0.01, 180.0,
-                               "1 sigma of heading at the start", kDegree});
+    visit(self.heading_sigma,
+          {"heading_sigma_deg", "deg", 0.01, 180.0, "1 sigma of heading at the start", kDegree});
   }
 };
 
@@ -87,7 +89,8 @@ struct TimeoutParameters {
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
-    visit(self.body_rates, {"body_rates_s", "s", 0.01, 60.0, "Silence that makes EFCS.RATES stale"});
+    visit(self.body_rates,
+          {"body_rates_s", "s", 0.01, 60.0, "Silence that makes EFCS.RATES stale"});
     visit(self.load_factor,
           {"load_factor_s", "s", 0.01, 60.0, "Silence that makes EFCS.LOAD_FACTOR stale"});
     visit(self.magnetic_field,

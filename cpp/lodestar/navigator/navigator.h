@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <tuple>
 
 #include "lodestar/fusion/cascade.h"
@@ -53,7 +54,8 @@ class Navigator {
   /// A message that never became a sample.
   void count_rejection(samples::Channel channel, samples::Reason reason);
 
-  /// State of the whole at the last frame. The shell adds cycle times, dropped log lines and version.
+  /// State of the whole at the last frame. The shell adds cycle times, dropped log lines and
+  /// version.
   samples::Health health() const;
 
  private:
@@ -67,15 +69,19 @@ class Navigator {
     samples::Channel channel;
     SensorWatch<Sample> watch;
     Pending<Sample, Capacity> pending;
+    std::int64_t applied_us = std::numeric_limits<std::int64_t>::min();  // time of the last one out
   };
 
-  template <class Sample, std::size_t Capacity>
-  void receive(Input<Sample, Capacity>& input, const Sample& sample, bool has_consumer);
   template <class Sample>
   bool accept(SensorWatch<Sample>& watch, samples::Channel channel, const Sample& sample);
+  template <class Sample, std::size_t Capacity>
+  void hold(Input<Sample, Capacity>& input, const Sample& sample);
 
   void start_over();
-  void apply_pending();
+  void estimate(const samples::BodyRates& rates);
+  void coast(std::int64_t time_us);
+  template <class... Inputs>
+  void apply_in_order(Inputs&... inputs);
   template <class Input>
   void apply_front(Input& input);
   samples::Use apply(const samples::LoadFactor& sample) { return sahrs_.update(sample); }
@@ -84,8 +90,7 @@ class Navigator {
   samples::Use apply(const samples::GpsFix& sample) { return cascade_.update(sample); }
   template <class Input>
   void drop_future(Input& input);
-  void propagate(const samples::BodyRates& rates, bool usable);
-  void publish(std::int64_t time_us);
+  void publish(std::int64_t time_us, bool first);
 
   Config config_;
   FrameClock clock_;
@@ -93,9 +98,9 @@ class Navigator {
   fusion::Cascade cascade_;
   samples::Counters counters_{};
   Outputs outputs_;
-  std::int64_t rates_us_ = 0;         // time of the last body rates that could be used
-  std::int64_t next_health_us_ = 0;   // flight time at which HEALTH is due
-  bool have_rates_ = false;
+  std::int64_t rates_us_ = 0;        // time of the last body rates that could be used
+  std::int64_t next_health_us_ = 0;  // flight time at which HEALTH is due
+  std::int16_t restarts_ = 0;        // attitude resets before the last start over
 
   SensorWatch<samples::BodyRates> body_rates_;
   std::tuple<Input<samples::LoadFactor, kDeep>, Input<samples::MagneticField, kShallow>,

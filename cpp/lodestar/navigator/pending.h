@@ -11,20 +11,22 @@ template <class Sample, std::size_t Capacity>
 class Pending {
  public:
   bool empty() const { return count_ == 0; }
+  bool full() const { return count_ == Capacity; }
   const Sample& front() const { return ring_[head_]; }
+  const Sample& back() const { return ring_[(head_ + count_ - 1) % Capacity]; }
 
-  /// False, and nothing changed, when full.
-  bool push(const Sample& sample) {
-    if (count_ == Capacity) return false;
+  /// Only when not full.
+  void push(const Sample& sample) {
     ring_[(head_ + count_) % Capacity] = sample;
     ++count_;
-    return true;
   }
 
   void pop() {
     head_ = (head_ + 1) % Capacity;
     --count_;
   }
+
+  void pop_back() { --count_; }
 
   void clear() { count_ = 0; }
 

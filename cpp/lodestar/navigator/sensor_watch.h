@@ -63,15 +63,14 @@ class SensorWatch {
       repeats_ = 0;
       changed_us_ = sample.time_us;
     }
-    before_last_us_ = seen_ ? last_.time_us : sample.time_us;
     last_ = sample;
     seen_ = true;
     if (stuck()) return samples::Reason::kStuck;
     return std::nullopt;
   }
 
-  /// The last accepted time stamp turned out to lie in the future: forget it.
-  void forget_last_time() { last_.time_us = before_last_us_; }
+  /// The latest time stamps turned out to be wrong: order counts from `time_us` again.
+  void rewind(std::int64_t time_us) { last_.time_us = time_us; }
 
   /// A new time base: order in time starts again.
   void restart() { seen_ = false; }
@@ -91,7 +90,6 @@ class SensorWatch {
   bool seen_ = false;
   int repeats_ = 0;
   std::int64_t changed_us_ = 0;
-  std::int64_t before_last_us_ = 0;
 };
 
 }  // namespace lodestar::navigator

@@ -42,6 +42,9 @@ struct Attitude {
   Eigen::Vector3d reset_delta_B = Eigen::Vector3d::Zero();  // rad
   AttitudeMode mode = AttitudeMode::kWaiting;
   bool valid = false;
+
+  /// rad, standard deviation of the small rotation about the body axes.
+  Eigen::Vector3d sigma_B() const { return P_B.diagonal().cwiseSqrt(); }
 };
 
 /// NAV.

@@ -1,0 +1,222 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "lodestar/navigator/navigator.h"
+
+#include <algorithm>
+#include <limits>
+
+namespace lodestar::navigator {
+
+using samples::Channel;
+using samples::Reason;
+using samples::Use;
+
+Navigator::Navigator(const Config& config)
+    : config_(config),
+      sahrs_(make_sahrs(config)),
+      cascade_(make_cascade(config)),
+      body_rates_(config.timeout.body_rates),
+      inputs_({Channel::kLoadFactor, config.timeout.load_factor},
+              {Channel::kMagneticField, config.timeout.magnetic_field},
+              {Channel::kAirData, config.timeout.air_data}, {Channel::kGps, config.timeout.gps}),
+      specific_force_(config.timeout.other),
+      gps_observables_(config.timeout.other),
+      ins_(config.timeout.ins),
+      sar_(config.timeout.other),
+      radar_altitude_(config.timeout.other) {}
+
+template <class Sample>
+bool Navigator::accept(SensorWatch<Sample>& watch, Channel channel, const Sample& sample) {
+  samples::ChannelCounters& counters = of(counters_, channel);
+  ++counters.received;
+  const auto reason = watch.judge(sample);
+  if (reason) counters.reject(*reason);
+  return !reason;
+}
+
+template <class Sample, std::size_t Capacity>
+void Navigator::hold(Input<Sample, Capacity>& input, const Sample& sample) {
+  if (!accept(input.watch, input.channel, sample)) return;
+  if (input.pending.full()) {  // the oldest goes: it is the least use to the frame that comes
+    of(counters_, input.channel).reject(Reason::kQueueFull);
+    input.pending.pop();
+  }
+  input.pending.push(sample);
+}
+
+void Navigator::offer(const samples::LoadFactor& s) { hold(std::get<0>(inputs_), s); }
+void Navigator::offer(const samples::MagneticField& s) { hold(std::get<1>(inputs_), s); }
+void Navigator::offer(const samples::AirData& s) { hold(std::get<2>(inputs_), s); }
+void Navigator::offer(const samples::GpsFix& s) { hold(std::get<3>(inputs_), s); }
+
+void Navigator::offer(const samples::SpecificForce& s) {
+  accept(specific_force_, Channel::kSpecificForce, s);
+}
+void Navigator::offer(const samples::GpsObservables& s) {
+  accept(gps_observables_, Channel::kGpsObservables, s);
+}
+void Navigator::offer(const samples::InsSolution& s) { accept(ins_, Channel::kIns, s); }
+void Navigator::offer(const samples::SarMeasurement& s) { accept(sar_, Channel::kSar, s); }
+void Navigator::offer(const samples::RadarAltitude& s) {
+  accept(radar_altitude_, Channel::kRadarAltitude, s);
+}
+
+void Navigator::count_rejection(Channel channel, Reason reason) {
+  samples::ChannelCounters& counters = of(counters_, channel);
+  ++counters.received;
+  counters.reject(reason);
+}
+
+const Outputs* Navigator::step(const samples::BodyRates& rates) {
+  const bool first = !clock_.started();
+  switch (clock_.judge(rates.time_us)) {
+    case FrameClock::Verdict::kBackwards:
+      count_rejection(Channel::kBodyRates, Reason::kTimeBackwards);
+      return nullptr;
+    case FrameClock::Verdict::kAhead:
+      count_rejection(Channel::kBodyRates, Reason::kFuture);
+      return nullptr;
+    case FrameClock::Verdict::kJump:
+      start_over();
+      break;
+    case FrameClock::Verdict::kFrame:
+      break;
+  }
+  if (accept(body_rates_, Channel::kBodyRates, rates)) {
+    ++of(counters_, Channel::kBodyRates).used;
+    rates_us_ = rates.time_us;
+    estimate(rates);
+  } else {
+    coast(rates.time_us);
+  }
+  publish(rates.time_us, first);
+  return &outputs_;
+}
+
+void Navigator::start_over() {
+  restarts_ = static_cast<std::int16_t>(outputs_.sahrs.reset_count + 1);
+  sahrs_ = make_sahrs(config_);
+  cascade_ = make_cascade(config_);
+  body_rates_.restart();
+  const auto restart = [](auto& input) {
+    input.watch.restart();
+    input.pending.clear();
+    input.applied_us = std::numeric_limits<std::int64_t>::min();
+  };
+  std::apply([&](auto&... input) { (restart(input), ...); }, inputs_);
+  next_health_us_ = 0;
+}
+
+void Navigator::estimate(const samples::BodyRates& rates) {
+  sahrs_.propagate(rates);
+  apply_in_order(std::get<0>(inputs_), std::get<1>(inputs_), std::get<2>(inputs_));
+  cascade_.propagate(sahrs_.attitude());
+  apply_in_order(std::get<3>(inputs_));
+  std::apply([this](auto&... input) { (drop_future(input), ...); }, inputs_);
+  const samples::Navigation& nav = cascade_.navigation();
+  if (nav.valid) sahrs_.set_position(nav.lat, nav.lon, nav.h);
+}
+
+// Without rates the attitude is held, and no measurement can be compared with it: those wait for
+// the next good rates, for as long as they may.
+void Navigator::coast(std::int64_t time_us) {
+  samples::Attitude held = sahrs_.attitude();
+  held.time_us = time_us;
+  cascade_.propagate(held);
+}
+
+template <class... Inputs>
+void Navigator::apply_in_order(Inputs&... inputs) {
+  for (;;) {
+    std::int64_t earliest = clock_.now() + 1;
+    const auto look = [&earliest](const auto& input) {
+      if (!input.pending.empty()) earliest = std::min(earliest, input.pending.front().time_us);
+    };
+    (look(inputs), ...);
+    if (earliest > clock_.now()) return;
+    // The first input that holds a sample of that time: order among equals is that of the inputs.
+    bool done = false;
+    const auto apply_if_earliest = [&](auto& input) {
+      if (done || input.pending.empty() || input.pending.front().time_us != earliest) return;
+      apply_front(input);
+      done = true;
+    };
+    (apply_if_earliest(inputs), ...);
+  }
+}
+
+template <class Input>
+void Navigator::apply_front(Input& input) {
+  samples::ChannelCounters& counters = of(counters_, input.channel);
+  input.applied_us = input.pending.front().time_us;
+  if (clock_.now() - input.pending.front().time_us > kOldest) {
+    counters.reject(Reason::kLate);
+  } else {
+    switch (apply(input.pending.front())) {
+      case Use::kUsed:
+      case Use::kHeld:
+        ++counters.used;
+        break;
+      case Use::kGated:
+        counters.reject(Reason::kGate);
+        break;
+      case Use::kAssumption:  // counted by the estimator, check by check
+        break;
+    }
+  }
+  input.pending.pop();
+}
+
+Use Navigator::apply(const samples::AirData& sample) {
+  cascade_.update(sample);
+  return sahrs_.update(sample);
+}
+
+template <class Input>
+void Navigator::drop_future(Input& input) {
+  bool dropped = false;
+  while (!input.pending.empty() && input.pending.back().time_us > clock_.now() + kAhead) {
+    of(counters_, input.channel).reject(Reason::kFuture);
+    input.pending.pop_back();
+    dropped = true;
+  }
+  // A wild time stamp must not make what follows look late.
+  if (!dropped) return;
+  input.watch.rewind(input.pending.empty() ? input.applied_us : input.pending.back().time_us);
+}
+
+void Navigator::publish(std::int64_t time_us, bool first) {
+  outputs_.sahrs = sahrs_.attitude();
+  outputs_.nav = cascade_.navigation();
+  outputs_.sahrs.time_us = time_us;
+  outputs_.nav.time_us = time_us;
+  outputs_.sahrs.reset_count = static_cast<std::int16_t>(outputs_.sahrs.reset_count + restarts_);
+  const bool bridged = time_us - rates_us_ <= kLongestCoast;
+  outputs_.sahrs.valid = outputs_.sahrs.valid && bridged;
+  outputs_.nav.valid = outputs_.nav.valid && bridged;
+  outputs_.health_due = first || time_us >= next_health_us_;
+  if (outputs_.health_due) next_health_us_ = (time_us / kSecond + 1) * kSecond;
+}
+
+samples::Health Navigator::health() const {
+  samples::Health health;
+  const std::int64_t now = clock_.now();
+  health.time_us = now;
+  health.counters = counters_;
+  const auto set_state = [&](Channel channel, const auto& watch) {
+    health.sensor_state[static_cast<std::size_t>(channel)] = watch.state(now);
+  };
+  set_state(Channel::kBodyRates, body_rates_);
+  std::apply([&](const auto&... input) { (set_state(input.channel, input.watch), ...); }, inputs_);
+  set_state(Channel::kSpecificForce, specific_force_);
+  set_state(Channel::kGpsObservables, gps_observables_);
+  set_state(Channel::kIns, ins_);
+  set_state(Channel::kSar, sar_);
+  set_state(Channel::kRadarAltitude, radar_altitude_);
+  health.sahrs_mode = outputs_.sahrs.mode;
+  health.fusion_mode = outputs_.nav.mode;
+  health.calibration_id = calibration_id(config_.smdu_calibration);
+  health.config_hash = config_.hash;
+  return health;
+}
+
+}  // namespace lodestar::navigator
