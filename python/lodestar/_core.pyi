@@ -1,0 +1,51 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The C++ core of Lodestar. Arrays broadcast as in NumPy; `...` is their common shape."""
+
+from typing import Literal, overload
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+def geomagnetic_field(
+    lat: ArrayLike,
+    lon: ArrayLike,
+    h: ArrayLike,
+    decimal_year: ArrayLike,
+    model: Literal["igrf14", "wmm2025"] = "igrf14",
+) -> NDArray[np.float64]:
+    """Geomagnetic field in N (north, east, down), nT, shape (..., 3).
+
+    `lat` (geodetic) and `lon` in rad, `h` in m above the ellipsoid. IGRF-14 covers 1900 to 2030 and
+    -1 to 600 km, WMM2025 2025 to 2030 and -1 to 850 km; outside, the nearest epoch is used or the
+    field is extrapolated in height, and a RuntimeWarning says so. ValueError: unknown model, or
+    shapes that do not broadcast.
+    """
+
+@overload
+def gravity(lat: float, h: float) -> float: ...
+@overload
+def gravity(lat: ArrayLike, h: ArrayLike) -> NDArray[np.float64]:
+    """WGS84 normal gravity (Somigliana with the height correction to second order), m/s^2."""
+
+@overload
+def meridian_radius(lat: float) -> float: ...
+@overload
+def meridian_radius(lat: ArrayLike) -> NDArray[np.float64]:
+    """Radius of curvature of the WGS84 meridian, m, at geodetic `lat` (rad)."""
+
+@overload
+def transverse_radius(lat: float) -> float: ...
+@overload
+def transverse_radius(lat: ArrayLike) -> NDArray[np.float64]:
+    """Radius of curvature in the WGS84 prime vertical, m, at geodetic `lat` (rad)."""
+
+def geodetic_to_ecef(lat: ArrayLike, lon: ArrayLike, h: ArrayLike) -> NDArray[np.float64]:
+    """Position in E, m, shape (..., 3), of geodetic `lat`, `lon` (rad), `h` (m)."""
+
+def ecef_to_geodetic(
+    p_E: ArrayLike,
+) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+    """Geodetic `lat`, `lon` (rad) and `h` (m), shape (...), of positions `p_E` (m, shape (..., 3)).
+
+    ValueError: the last axis of `p_E` is not 3 long.
+    """
