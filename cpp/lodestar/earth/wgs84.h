@@ -27,7 +27,7 @@ double meridian_radius(double lat);
 double transverse_radius(double lat);
 
 /// Normal gravity (m/s^2, along down) at `lat` (rad) and `h` (m): Somigliana's formula with the
-/// height correction to second order, TR8350.2 eq. 4-1 and 4-3. Right to 5e-5 m/s^2 up to 30 km.
+/// height correction to second order, TR8350.2 eq. 4-1 and 4-3. Right to 1e-5 m/s^2 up to 30 km.
 double gravity(double lat, double h);
 
 /// omega_IE in N (rad/s): rotation of the Earth at `lat` (rad).
@@ -47,8 +47,9 @@ Eigen::Matrix3d C_NE(double lat, double lon);
 /// Position in E (m).
 Eigen::Vector3d geodetic_to_ecef(const Geodetic& position);
 
-/// Geodetic position of `p_E` (m): 1e-9 m and 1e-15 rad from 10 km below the ellipsoid to 1000 km
-/// above it, poles included; longitude 0 on the axis. Meaningless within 50 km of the centre.
+/// Geodetic position of `p_E` (m), right to rounding (4e-9 m, 1e-15 rad) from 10 km below the
+/// ellipsoid to 1000 km above it, poles included; longitude 0 on the axis. Meaningless within 50 km
+/// of the centre.
 Geodetic ecef_to_geodetic(const Eigen::Vector3d& p_E);
 
 /// Metres north, east and down from `from` to `to`, along the local radii halfway between them:
