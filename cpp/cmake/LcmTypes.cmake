@@ -69,6 +69,9 @@ add_library(lodestar_messages INTERFACE)
 add_dependencies(lodestar_messages lodestar_generate_cpp)
 target_include_directories(lodestar_messages SYSTEM INTERFACE "${cpp_folder}")
 target_link_libraries(lodestar_messages INTERFACE lodestar_lcm)
+# LCM's coder reads and writes doubles through pointers to int64_t; without this the optimiser may
+# drop what it decoded.
+target_compile_options(lodestar_messages INTERFACE -fno-strict-aliasing)
 
 if(SKBUILD)
   install(DIRECTORY "${python_folder}" DESTINATION lodestar)
