@@ -26,7 +26,6 @@ axes (forward, right, down) or north, east, down.
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from math import inf, prod
@@ -34,8 +33,10 @@ from pathlib import Path
 from typing import Any
 
 from lodestar import channels as table
+from lodestar import strict_toml
 from lodestar.errors import InputError
 from lodestar.recordings.units import TIME, quantity
+from lodestar.strict_toml import Document
 
 AXES: dict[str, tuple[str, str, str]] = {
     "FRD": ("x", "y", "z"),
@@ -97,21 +98,22 @@ class Map:
 
 
 class _Table:
-    """A TOML table that knows its place in the file, and complains about it in one line."""
+    """A table of the map, which complains about its keys with file and line."""
 
-    def __init__(self, file: Path, name: str, values: Any):
-        self.file, self.name = file, name
+    def __init__(self, document: Document, at: tuple[str, ...], values: Any):
+        self.document, self.at = document, at
         if not isinstance(values, dict):
             raise self.error(f"is {values!r}, must be a table")
         self.values: dict[str, Any] = dict(values)
 
     def error(self, what: str) -> InputError:
-        return InputError(f"{self.file}: {self.name} {what}")
+        return self.document.error(self.at, what)
 
     def only(self, allowed: tuple[str, ...]) -> None:
         for key in self.values:
             if key not in allowed:
-                raise self.error(f"has unknown key {key!r}; allowed are {', '.join(allowed)}")
+                message = f"unknown key; allowed are {', '.join(allowed)}"
+                raise self.document.error((*self.at, key), message)
 
     def take(self, key: str, kind: type | tuple[type, ...], default: Any = None) -> Any:
         value = self.values.get(key, default)
@@ -133,24 +135,20 @@ class _Table:
         return str(value)
 
     def table(self, key: str) -> _Table:
-        return _Table(self.file, f"{self.name}.{key}", self.values[key])
+        return _Table(self.document, (*self.at, key), self.values[key])
 
 
 def read_map(path: Path) -> Map:
     """Read and check a map file.
 
-    Raises InputError with the file, the key and what is allowed.
+    Raises InputError with the file, the line, the key and what is allowed.
     """
-    try:
-        root = _Table(path, "map", tomllib.loads(path.read_text(encoding="utf-8")))
-    except OSError as error:
-        raise InputError(f"{path}: {error.strerror}") from None
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise InputError(f"{path}: {error}") from None
+    document = strict_toml.read(path)
+    root = _Table(document, (), document.values)
     root.only(("time", "channels"))
     for key in ("time", "channels"):
         if key not in root.values:
-            raise root.error(f"lacks the table [{key}]")
+            raise InputError(f"{path}: lacks the table [{key}]")
     time = root.table("time")
     time.only(("column", "unit", "start_s", "end_s"))
     column = time.take("column", str)
