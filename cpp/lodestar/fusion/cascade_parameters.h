@@ -1,0 +1,171 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+
+#include "lodestar/math/gauss_markov.h"
+#include "lodestar/math/parameter.h"
+#include "lodestar/math/rotation.h"
+
+namespace lodestar::fusion {
+
+enum class CovarianceForm { kJoseph, kUd };
+inline constexpr const char* kCovarianceFormNames[] = {"joseph", "ud"};
+
+enum class Linearisation { kExtended, kLinearised };
+inline constexpr const char* kLinearisationNames[] = {"extended", "linearised"};
+
+/// [fusion.cascade]: dead reckoning on SAHRS and air data, corrected by GPS. Time constants and the
+/// levels of wind and GPS error are those of Linköping thesis §3.3.3.
+struct CascadeParameters {
+  CovarianceForm covariance = CovarianceForm::kJoseph;
+  Linearisation linearisation = Linearisation::kExtended;
+  double step = 0.1;  // s
+
+  // Errors of SAHRS; the levels are floors under what SAHRS says of itself.
+  math::GaussMarkov heading_error{1.5 * math::kDegree, 100.0};
+  math::GaussMarkov pitch_error{0.4 * math::kDegree, 30.0};
+  math::GaussMarkov roll_error{0.6 * math::kDegree, 10.0};
+
+  math::GaussMarkov wind{5.0, 400.0};       // m/s, s
+  math::GaussMarkov gps_error{5.0, 150.0};  // m, s
+  double gps_noise = 1.0;                   // m
+
+  // Air data: noise of one sample, independent at `air_data_rate`, and slow errors.
+  double air_data_rate = 30.0;               // Hz
+  double airspeed_noise = 0.5;               // m/s
+  double alpha_noise = 0.1 * math::kDegree;  // rad
+  double beta_noise = 0.1 * math::kDegree;   // rad
+  double airspeed_bias = 1.0;                // m/s
+  double beta_bias = 0.3 * math::kDegree;    // rad
+  double air_data_timeout = 1.0;             // s
+  double air_data_lost_noise = 2.0;          // (m/s)/sqrt(s)
+
+  // Height.
+  math::GaussMarkov baro_bias{20.0, 1000.0};         // m, s
+  double baro_noise = 0.5;                           // m
+  double baro_lag = 0.3;                             // s
+  math::GaussMarkov vertical_rate_error{2.0, 10.0};  // m/s, s
+
+  // Acceptance of GPS.
+  double gps_false_rejection = 1e-5;  // -
+  double gps_timeout = 5.0;           // s
+  double reacquisition_time = 3.0;    // s
+  double reacquisition_speed = 30.0;  // m/s
+
+  // What is known at the first frame.
+  std::optional<double> initial_heading;               // rad
+  double initial_heading_sigma = 0.1 * math::kDegree;  // rad
+  std::optional<double> initial_lat;                   // rad
+  std::optional<double> initial_lon;                   // rad
+  double initial_position_sigma = 10.0;                // m
+
+  template <class Self, class Visitor>
+  static void describe(Self& self, Visitor&& visit) {
+    visit(self.covariance, {"covariance", kCovarianceFormNames, 2,
+                            "How the covariance is carried; both give the same answers"});
+    visit(self.linearisation, {"linearisation", kLinearisationNames, 2,
+                               "About the corrected (extended) or the raw SAHRS values"});
+    visit(self.step, {"step_s", "s", 0.05, 1.0, "Step of the error model"});
+    describe_errors(self, visit);
+    describe_air_data(self, visit);
+    describe_height(self, visit);
+    describe_acceptance(self, visit);
+    describe_start(self, visit);
+  }
+
+ private:
+  template <class Self, class Visitor>
+  static void describe_errors(Self& self, Visitor&& visit) {
+    using math::kDegree;
+    visit(self.heading_error.sigma, {"heading_error_sigma_deg", "deg", 0.01, 90.0,
+                                     "Heading error of SAHRS, at least", kDegree});
+    visit(self.heading_error.tau,
+          {"heading_error_tau_s", "s", 1.0, 1e5, "Time constant of the heading error"});
+    visit(self.pitch_error.sigma,
+          {"pitch_error_sigma_deg", "deg", 0.01, 90.0, "Pitch error of SAHRS, at least", kDegree});
+    visit(self.pitch_error.tau,
+          {"pitch_error_tau_s", "s", 1.0, 1e5, "Time constant of the pitch error"});
+    visit(self.roll_error.sigma,
+          {"roll_error_sigma_deg", "deg", 0.01, 90.0, "Roll error of SAHRS, at least", kDegree});
+    visit(self.roll_error.tau,
+          {"roll_error_tau_s", "s", 1.0, 1e5, "Time constant of the roll error"});
+    visit(self.wind.sigma, {"wind_sigma_m_s", "m/s", 0.01, 100.0, "Wind, per axis"});
+    visit(self.wind.tau, {"wind_tau_s", "s", 1.0, 1e6, "Time constant of the wind"});
+    visit(self.gps_error.sigma,
+          {"gps_error_sigma_m", "m", 0.01, 1e3, "Slow error of a GPS position, per axis"});
+    visit(self.gps_error.tau,
+          {"gps_error_tau_s", "s", 1.0, 1e5, "Time constant of the slow GPS error"});
+    visit(self.gps_noise,
+          {"gps_noise_m", "m", 0.01, 1e3, "White noise of a GPS position, per axis"});
+  }
+
+  template <class Self, class Visitor>
+  static void describe_air_data(Self& self, Visitor&& visit) {
+    using math::kDegree;
+    visit(self.air_data_rate, {"air_data_rate_hz", "Hz", 1.0, 1000.0,
+                               "Rate at which the noise of air data is independent"});
+    visit(self.airspeed_noise,
+          {"airspeed_noise_m_s", "m/s", 0.0, 50.0, "Noise of one sample of true airspeed"});
+    visit(self.alpha_noise,
+          {"alpha_noise_deg", "deg", 0.0, 20.0, "Noise of one sample of angle of attack", kDegree});
+    visit(self.beta_noise,
+          {"beta_noise_deg", "deg", 0.0, 20.0, "Noise of one sample of sideslip", kDegree});
+    visit(self.airspeed_bias, {"airspeed_bias_m_s", "m/s", 0.0, 50.0,
+                               "Constant error of true airspeed: part of the wind's sigma"});
+    visit(self.beta_bias, {"beta_bias_deg", "deg", 0.0, 20.0,
+                           "Constant error of sideslip: part of the heading's sigma", kDegree});
+    visit(self.air_data_timeout,
+          {"air_data_timeout_s", "s", 0.05, 60.0, "Silence after which air data are only held"});
+    visit(self.air_data_lost_noise, {"air_data_lost_noise", "(m/s)/sqrt(s)", 0.0, 100.0,
+                                     "Growth of the velocity error while they are"});
+  }
+
+  template <class Self, class Visitor>
+  static void describe_height(Self& self, Visitor&& visit) {
+    visit(self.baro_bias.sigma,
+          {"baro_bias_sigma_m", "m", 0.01, 1e4, "Height above the ellipsoid minus baro altitude"});
+    visit(self.baro_bias.tau, {"baro_bias_tau_s", "s", 1.0, 1e6, "Its time constant"});
+    visit(self.baro_noise, {"baro_noise_m", "m", 0.01, 100.0, "Noise of one baro altitude"});
+    visit(self.baro_lag, {"baro_lag_s", "s", 0.0, 5.0, "Lag of baro altitude"});
+    visit(self.vertical_rate_error.sigma,
+          {"vertical_rate_error_sigma_m_s", "m/s", 0.01, 100.0,
+           "Error of the climb rate that attitude and air data give"});
+    visit(self.vertical_rate_error.tau,
+          {"vertical_rate_error_tau_s", "s", 0.1, 1e5, "Its time constant"});
+  }
+
+  template <class Self, class Visitor>
+  static void describe_acceptance(Self& self, Visitor&& visit) {
+    visit(self.gps_false_rejection,
+          {"gps_false_rejection", "-", 1e-12, 0.1, "Probability that the gate refuses a good fix"});
+    visit(self.gps_timeout,
+          {"gps_timeout_s", "s", 0.5, 60.0, "Time without a used fix that makes GPS lost"});
+    visit(self.reacquisition_time,
+          {"reacquisition_time_s", "s", 0.0, 8.0,
+           "Time over which fixes must agree among themselves to be believed again"});
+    visit(self.reacquisition_speed, {"reacquisition_speed_m_s", "m/s", 0.1, 500.0,
+                                     "Most that such fixes may move against dead reckoning"});
+  }
+
+  template <class Self, class Visitor>
+  static void describe_start(Self& self, Visitor&& visit) {
+    using math::kDegree;
+    visit(self.initial_heading, {"initial_heading_deg", "deg", -180.0, 360.0,
+                                 "True heading at the first frame, as the INS had it last; it "
+                                 "starts the heading-error state",
+                                 kDegree});
+    visit(self.initial_heading_sigma,
+          {"initial_heading_sigma_deg", "deg", 0.001, 180.0, "1 sigma of it", kDegree});
+    visit(self.initial_lat,
+          {"initial_lat_deg", "deg", -89.9, 89.9,
+           "Latitude at the first frame; unset: wait for the first fix", kDegree});
+    visit(self.initial_lon,
+          {"initial_lon_deg", "deg", -180.0, 360.0,
+           "Longitude at the first frame; unset: wait for the first fix", kDegree});
+    visit(self.initial_position_sigma,
+          {"initial_position_sigma_m", "m", 0.01, 1e6, "1 sigma of that position, per axis"});
+  }
+};
+
+}  // namespace lodestar::fusion

@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "lodestar/fusion/error_filter.h"
+
+#include <algorithm>
+
+#include "lodestar/filter/joseph.h"
+#include "lodestar/math/discretise.h"
+
+namespace lodestar::fusion {
+namespace {
+
+// What the aircraft may have done unseen in a gap of the frames.
+constexpr double kUnseenAcceleration = 5.0;  // m/s^2
+
+NoiseVector noise_densities(const CascadeParameters& p, const StepConditions& conditions,
+                            double dt) {
+  NoiseVector q;
+  const Eigen::Vector3d air_data(p.alpha_noise, p.beta_noise, p.airspeed_noise);
+  q.segment<3>(kAirDataNoise.offset) = air_data.cwiseAbs2() / p.air_data_rate;
+  const double gap = std::max(0.0, dt - p.step);
+  const double unseen = 0.5 * kUnseenAcceleration * gap * gap;
+  q.segment<2>(kTrackNoise.offset).setConstant(unseen * unseen / dt);
+  q.segment<2>(kGpsNoise.offset).setConstant(p.gps_error.spectral_density());
+  const double lost = conditions.air_data_lost ? p.air_data_lost_noise : 0.0;
+  q.segment<2>(kWindNoise.offset).setConstant(p.wind.spectral_density() + lost * lost);
+  const Eigen::Vector3d tau(p.heading_error.tau, p.pitch_error.tau, p.roll_error.tau);
+  q.segment<3>(kAngleNoise.offset) = 2.0 * conditions.angle_variance.cwiseQuotient(tau);
+  return q;
+}
+
+}  // namespace
+
+ErrorCovariance::ErrorCovariance(CovarianceForm form, const StateMatrix& P) : form_(form) {
+  assign(P);
+}
+
+void ErrorCovariance::assign(const StateMatrix& P) {
+  if (form_ == CovarianceForm::kJoseph) {
+    P_ = P;
+  } else {
+    ud_ = filter::UdCovariance<kStates>(P);
+  }
+}
+
+StateMatrix ErrorCovariance::matrix() const {
+  return form_ == CovarianceForm::kJoseph ? P_ : ud_.matrix();
+}
+
+Eigen::Matrix2d ErrorCovariance::projected(const PositionMatrix& m) const {
+  if (form_ == CovarianceForm::kJoseph) return m * P_ * m.transpose();
+  const PositionMatrix mU = m * ud_.U();
+  return mU * ud_.D().asDiagonal() * mU.transpose();
+}
+
+void ErrorCovariance::propagate(const StateMatrix& F, const NoiseMatrix& G, const NoiseVector& q,
+                                double dt) {
+  const StateMatrix Phi = math::transition<kStates>(F, dt);
+  if (form_ == CovarianceForm::kUd) {
+    const NoiseMatrix Gamma = G + (0.5 * dt) * (F * G);
+    ud_.propagate<kNoises>(Phi, Gamma, dt * q);
+    return;
+  }
+  const StateMatrix GQGt = G * q.asDiagonal() * G.transpose();
+  const StateMatrix P = Phi * P_ * Phi.transpose() + math::process_noise<kStates>(F, GQGt, dt);
+  P_ = 0.5 * (P + P.transpose());  // rounding would grow along unstable directions
+}
+
+StateVector ErrorCovariance::update(const PositionMatrix& H, double r,
+                                    const Eigen::Vector2d& innovation) {
+  if (form_ == CovarianceForm::kJoseph) {
+    const filter::JosephUpdate<kStates, 2> joseph(P_, H, r * Eigen::Matrix2d::Identity());
+    return joseph.apply(P_, innovation);
+  }
+  StateVector dx = StateVector::Zero();
+  for (int i = 0; i < 2; ++i) {
+    const StateVector h = H.row(i).transpose();
+    const double left = innovation(i) - h.dot(dx);
+    dx += ud_.update(h, r) * left;
+  }
+  return dx;
+}
+
+void ErrorEstimate::propagate(const CascadeParameters& parameters, const StepConditions& conditions,
+                              const TrackPoint& from, const TrackPoint& to) {
+  const double dt = 1e-6 * static_cast<double>(to.time_us - from.time_us);
+  if (dt <= 0.0) return;
+  const bool extended = parameters.linearisation == Linearisation::kExtended;
+  const StateVector about = extended ? x : StateVector::Zero();
+  const ErrorDynamics start = error_dynamics(parameters, from, about);
+  const ErrorDynamics finish = error_dynamics(parameters, to, about);
+  const StateMatrix F = 0.5 * (start.F + finish.F);
+  const NoiseMatrix G = 0.5 * (start.G + finish.G);
+
+  const StateVector before = x;
+  x = math::transition<kStates>(F, dt) * before;
+  if (extended) {
+    const Eigen::Vector2d rate =
+        0.5 * (position_error_rate(from, before) + position_error_rate(to, x));
+    x.segment<2>(kPositionError.offset) = before.segment<2>(kPositionError.offset) + dt * rate;
+  }
+  P.propagate(F, G, noise_densities(parameters, conditions, dt), dt);
+  if (conditions.angles_restarted) restart_angles(conditions.angle_variance);
+}
+
+void ErrorEstimate::restart_angles(const Eigen::Vector3d& variance) {
+  StateMatrix covariance = P.matrix();
+  covariance.middleRows<3>(kHeadingError.offset).setZero();
+  covariance.middleCols<3>(kHeadingError.offset).setZero();
+  covariance.diagonal().segment<3>(kHeadingError.offset) = variance;
+  P.assign(covariance);
+  x.segment<3>(kHeadingError.offset).setZero();
+}
+
+void ErrorEstimate::loosen(const Eigen::Vector2d& position_sigma, double scale) {
+  StateVector factor = StateVector::Ones();
+  factor.segment<2>(kWind.offset).setConstant(scale);
+  factor.segment<3>(kHeadingError.offset).setConstant(scale);
+  StateMatrix covariance = factor.asDiagonal() * P.matrix() * factor.asDiagonal();
+  covariance.diagonal().segment<2>(kPositionError.offset) += position_sigma.cwiseAbs2();
+  P.assign(covariance);
+}
+
+}  // namespace lodestar::fusion

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+
+#include "lodestar/filter/ud.h"
+#include "lodestar/fusion/cascade_model.h"
+
+namespace lodestar::fusion {
+
+/// Covariance of the error states, plain or in UD factors.
+class ErrorCovariance {
+ public:
+  ErrorCovariance() = default;
+  ErrorCovariance(CovarianceForm form, const StateMatrix& P);
+
+  StateMatrix matrix() const;
+  /// Covariance of `m` x.
+  Eigen::Matrix2d projected(const PositionMatrix& m) const;
+  /// Over `dt` (s) of x' = F x + G w, w of spectral densities `q`.
+  void propagate(const StateMatrix& F, const NoiseMatrix& G, const NoiseVector& q, double dt);
+  /// Takes in y = H x + noise of variance `r` per component; answers the correction of x.
+  StateVector update(const PositionMatrix& H, double r, const Eigen::Vector2d& innovation);
+  void assign(const StateMatrix& P);
+
+ private:
+  CovarianceForm form_ = CovarianceForm::kJoseph;
+  StateMatrix P_ = StateMatrix::Zero();
+  filter::UdCovariance<kStates> ud_;
+};
+
+/// What the model of one step takes from outside.
+struct StepConditions {
+  Eigen::Vector3d angle_variance;  // rad^2, stationary: heading, pitch, roll
+  bool air_data_lost = false;
+  bool angles_restarted = false;  // SAHRS started anew during the step
+};
+
+/// The estimated errors and their covariance at one time.
+struct ErrorEstimate {
+  StateVector x = StateVector::Zero();
+  ErrorCovariance P;
+
+  /// From `from` to `to`, trapezoidal in the two linearisations.
+  void propagate(const CascadeParameters& parameters, const StepConditions& conditions,
+                 const TrackPoint& from, const TrackPoint& to);
+
+  Eigen::Vector2d position_error() const { return x.segment<2>(kPositionError.offset); }
+  Eigen::Vector2d wind() const { return x.segment<2>(kWind.offset); }
+
+  /// Makes the position unknown by `position_sigma` (m, per axis) more than it was, and scales what
+  /// is unknown of wind and angles by `scale` in sigma.
+  void loosen(const Eigen::Vector2d& position_sigma, double scale);
+
+ private:
+  void restart_angles(const Eigen::Vector3d& variance);
+};
+
+}  // namespace lodestar::fusion
