@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The C++ core of Lodestar. Arrays broadcast as in NumPy; `...` is their common shape."""
 
-from typing import Literal, overload
+from typing import Any, Literal, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -48,4 +48,27 @@ def ecef_to_geodetic(
     """Geodetic `lat`, `lon` (rad) and `h` (m), shape (...), of positions `p_E` (m, shape (..., 3)).
 
     ValueError: the last axis of `p_E` is not 3 long.
+    """
+
+class ConfigError(ValueError):
+    """A configuration is wrong: one line with file, line, key and what is allowed."""
+
+def check_config(text: str, source: str) -> None:
+    """Raise ConfigError if `text` (TOML) is not a valid configuration; `source` names it."""
+
+def parameter_table() -> str:
+    """Table of all configuration keys, in Markdown."""
+
+def run(
+    config_text: str,
+    calibration_text: str,
+    channels: dict[str, dict[str, NDArray[Any]]],
+    names: list[str],
+    channel: NDArray[np.int64],
+    row: NDArray[np.int64],
+) -> dict[str, dict[str, NDArray[Any]]]:
+    """Run messages through a fresh Navigator and return SAHRS, NAV and HEALTH by field.
+
+    Message i is row `row[i]` of `channels[names[channel[i]]]`. ConfigError for a bad configuration,
+    ValueError for arrays that are not those of the channel. See lodestar.navigator.run.
     """

@@ -156,14 +156,14 @@ TEST(Navigator, AMeasurementMayBeOneSecondOldAndNoOlder) {
 
 TEST(Navigator, AMeasurementFromTheFutureIsDroppedAndBlocksNothing) {
   LevelFlight flight;
-  flight.fly(2'000'000);
-  flight.navigator.offer(flight.air(9'000'000));
-  flight.fly(3'000'000);
+  flight.fly(30'000'000);
+  flight.navigator.offer(flight.air(39'000'000));
+  flight.fly(31'000'000);
   EXPECT_EQ(flight.rejected(Channel::kAirData, Reason::kFuture), 1);
   EXPECT_LE(flight.rejected(Channel::kAirData, Reason::kTimeBackwards), 1);
   EXPECT_EQ(flight.navigator.health().sensor_state[3], samples::SensorState::kGood);
   const std::int64_t used = flight.used(Channel::kAirData);
-  flight.fly(4'000'000);
+  flight.fly(32'000'000);
   EXPECT_EQ(flight.used(Channel::kAirData), used + 50);
 }
 

@@ -10,6 +10,21 @@ using samples::Channel;
 using samples::Reason;
 using samples::Use;
 
+namespace {
+
+sahrs::PaperSahrs make_sahrs(const Config& config) {
+  sahrs::PaperSahrs sahrs(config.sahrs,
+                          {config.smdu_calibration.matrix, config.smdu_calibration.bias},
+                          config.earth.geomagnetic_model, config.earth.epoch_year);
+  const InitialParameters& initial = config.initial;
+  sahrs.set_position(initial.lat, initial.lon, initial.h);
+  return sahrs;
+}
+
+fusion::Cascade make_cascade(const Config& config) { return fusion::Cascade(config.cascade); }
+
+}  // namespace
+
 Navigator::Navigator(const Config& config)
     : config_(config),
       sahrs_(make_sahrs(config)),
@@ -81,6 +96,7 @@ const Outputs* Navigator::step(const samples::BodyRates& rates) {
     case FrameClock::Verdict::kFrame:
       break;
   }
+  if (first) start(rates.time_us);
   if (accept(body_rates_, Channel::kBodyRates, rates)) {
     ++of(counters_, Channel::kBodyRates).used;
     rates_us_ = rates.time_us;
@@ -90,6 +106,13 @@ const Outputs* Navigator::step(const samples::BodyRates& rates) {
   }
   publish(rates.time_us, first);
   return &outputs_;
+}
+
+void Navigator::start(std::int64_t time_us) {
+  const InitialParameters& initial = config_.initial;
+  if (!initial.roll || !initial.pitch || !initial.heading) return;
+  sahrs_.start({*initial.roll, *initial.pitch, *initial.heading},
+               {initial.attitude_sigma, initial.attitude_sigma, initial.heading_sigma}, time_us);
 }
 
 void Navigator::start_over() {
@@ -109,6 +132,7 @@ void Navigator::start_over() {
 void Navigator::estimate(const samples::BodyRates& rates) {
   sahrs_.propagate(rates);
   apply_in_order(std::get<0>(inputs_), std::get<1>(inputs_), std::get<2>(inputs_));
+  sahrs_.finish_frame();
   cascade_.propagate(sahrs_.attitude());
   apply_in_order(std::get<3>(inputs_));
   std::apply([this](auto&... input) { (drop_future(input), ...); }, inputs_);
@@ -144,8 +168,8 @@ void Navigator::apply_in_order(Inputs&... inputs) {
   }
 }
 
-template <class Input>
-void Navigator::apply_front(Input& input) {
+template <class AnyInput>
+void Navigator::apply_front(AnyInput& input) {
   samples::ChannelCounters& counters = of(counters_, input.channel);
   input.applied_us = input.pending.front().time_us;
   if (clock_.now() - input.pending.front().time_us > kOldest) {
@@ -171,8 +195,8 @@ Use Navigator::apply(const samples::AirData& sample) {
   return sahrs_.update(sample);
 }
 
-template <class Input>
-void Navigator::drop_future(Input& input) {
+template <class AnyInput>
+void Navigator::drop_future(AnyInput& input) {
   bool dropped = false;
   while (!input.pending.empty() && input.pending.back().time_us > clock_.now() + kAhead) {
     of(counters_, input.channel).reject(Reason::kFuture);
@@ -216,6 +240,15 @@ samples::Health Navigator::health() const {
   health.fusion_mode = outputs_.nav.mode;
   health.calibration_id = calibration_id(config_.smdu_calibration);
   health.config_hash = config_.hash;
+  std::copy(sahrs_.innovation().begin(), sahrs_.innovation().end(), health.innovation.begin());
+  std::copy(sahrs_.innovation_sigma().begin(), sahrs_.innovation_sigma().end(),
+            health.innovation_sigma.begin());
+  for (int axis = 0; axis < 2; ++axis) {
+    const std::size_t row = sahrs_.innovation().size() + static_cast<std::size_t>(axis);
+    health.innovation[row] = cascade_.innovation()(axis);
+    health.innovation_sigma[row] = cascade_.innovation_sigma()(axis);
+  }
+  health.assumption_rejects = sahrs_.assumption_rejects();
   return health;
 }
 

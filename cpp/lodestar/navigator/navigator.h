@@ -77,19 +77,20 @@ class Navigator {
   template <class Sample, std::size_t Capacity>
   void hold(Input<Sample, Capacity>& input, const Sample& sample);
 
+  void start(std::int64_t time_us);
   void start_over();
   void estimate(const samples::BodyRates& rates);
   void coast(std::int64_t time_us);
   template <class... Inputs>
   void apply_in_order(Inputs&... inputs);
-  template <class Input>
-  void apply_front(Input& input);
+  template <class AnyInput>
+  void apply_front(AnyInput& input);
   samples::Use apply(const samples::LoadFactor& sample) { return sahrs_.update(sample); }
   samples::Use apply(const samples::MagneticField& sample) { return sahrs_.update(sample); }
   samples::Use apply(const samples::AirData& sample);
   samples::Use apply(const samples::GpsFix& sample) { return cascade_.update(sample); }
-  template <class Input>
-  void drop_future(Input& input);
+  template <class AnyInput>
+  void drop_future(AnyInput& input);
   void publish(std::int64_t time_us, bool first);
 
   Config config_;
