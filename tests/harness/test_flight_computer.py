@@ -40,7 +40,7 @@ def gone(pid: int) -> bool:
 
 
 def test_bad_input_is_said_in_the_words_of_the_process(bus, impostor):
-    impostor("echo 'starting' >&2; echo 'error: my.toml:3: key x: unknown' >&2; exit 2")
+    impostor("echo 'starting' >&2; echo 'lodestar-fc: my.toml:3: key x: unknown' >&2; exit 2")
     with pytest.raises(InputError) as caught:
         FlightComputer(bus).start()
     assert str(caught.value) == "my.toml:3: key x: unknown"
@@ -108,7 +108,7 @@ def test_a_directory_is_no_executable(monkeypatch, tmp_path):
 
 
 def test_a_replay_that_is_refused_says_why(impostor, tmp_path):
-    impostor("echo 'error: in.lcm: truncated' >&2; exit 2")
+    impostor("echo 'lodestar-fc: in.lcm: truncated' >&2; exit 2")
     with pytest.raises(InputError, match=r"^in\.lcm: truncated$"):
         replay(tmp_path / "in.lcm", tmp_path / "out.lcm")
 

@@ -31,6 +31,10 @@ _TIME = slice(8, 16)
 _LONGEST_STEP_US = 1_000_000
 # How long an answer that may not come is waited for (a time stamp that is refused has none).
 _GRACE_S = 0.005
+# How often a silent flight computer is looked after.
+_LOOK_S = 0.1
+# How long realtime listens after the last message.
+_LAST_ANSWERS_US = 100_000
 
 
 class Event(NamedTuple):
@@ -46,12 +50,13 @@ class Event(NamedTuple):
 class Link:
     """A bus whose every message, sent or heard, goes into an LCM log.
 
-    ``now_us`` is the time that the log gives to what is heard.
+    ``now_us`` is the flight time that the log gives to a message. What is heard before the first
+    message is sent (the flight computer saying that it is there) is left out.
     """
 
     def __init__(self, bus: Bus, log: Path) -> None:
         self.bus = bus
-        self.now_us = 0
+        self.now_us: int | None = None
         self.answer_times = dict.fromkeys(AWAITED, b"")
         self._log = lcm.EventLog(log, "w", overwrite=True)
         bus.tap(self._heard)
@@ -68,9 +73,10 @@ class Link:
         self.bus.tap(None)
         self._log.close()
 
-    def send(self, channel: str, payload: bytes) -> None:
+    def send(self, now_us: int, channel: str, payload: bytes) -> None:
         """Log and publish."""
-        self._log.write_event(self.now_us, channel, payload)
+        self.now_us = now_us
+        self._log.write_event(now_us, channel, payload)
         self.bus.publish(channel, payload)
 
     def missing(self, frame_time: bytes) -> list[str]:
@@ -78,6 +84,8 @@ class Link:
         return [name for name, latest in self.answer_times.items() if latest != frame_time]
 
     def _heard(self, channel: str, payload: bytes) -> None:
+        if self.now_us is None:
+            return
         self._log.write_event(self.now_us, channel, payload)
         if channel in self.answer_times:
             self.answer_times[channel] = payload[_TIME]
@@ -104,17 +112,15 @@ def lockstep(
     last_answered_us: int | None = None
     next_progress_us: int | None = None
     for event in events:
-        link.now_us = event.arrival_us
-        link.send(event.channel, event.payload)
+        link.send(event.arrival_us, event.channel, event.payload)
         if not event.makes_frame:
             continue
         time_us = _time_us(event.payload)
         step_us = 1 if last_answered_us is None else time_us - last_answered_us
         due = 0 < step_us <= _LONGEST_STEP_US
-        if _await_answer(link, event.payload[_TIME], timeout_s if due else _GRACE_S):
+        if _await_answer(link, computer, event.payload[_TIME], timeout_s if due else _GRACE_S):
             last_answered_us = time_us
         elif due:
-            computer.require_running()
             missing = " and ".join(link.missing(event.payload[_TIME]))
             raise FlightComputerError(
                 f"no {missing} within {timeout_s:g} s for {table.MASTER} of {time_us / 1e6:.6f} s"
@@ -136,39 +142,47 @@ def realtime(
     Raises FlightComputerError if the flight computer ends.
     """
     offset_us: int | None = None
+    now_us = 0
     next_progress_us: int | None = None
     for event in events:
         if offset_us is None:
             offset_us = event.arrival_us - _wall_us()
-        _listen_until(event.arrival_us, offset_us, link)
-        link.send(event.channel, event.payload)
+        now_us = _listen_until(event.arrival_us, offset_us, link)
+        link.send(now_us, event.channel, event.payload)
         if next_progress_us is None or event.arrival_us >= next_progress_us:
             next_progress_us = event.arrival_us + 200_000
             computer.require_running()
             progress(event.arrival_us)
     if offset_us is not None:
-        _listen_until(link.now_us + 100_000, offset_us, link)
+        _listen_until(now_us + _LAST_ANSWERS_US, offset_us, link)
 
 
-def _await_answer(link: Link, frame_time: bytes, timeout_s: float) -> bool:
+def _await_answer(
+    link: Link, computer: FlightComputer, frame_time: bytes, timeout_s: float
+) -> bool:
     deadline = None
     times = link.answer_times
     while any(latest != frame_time for latest in times.values()):
         now = time.monotonic()
         deadline = deadline or now + timeout_s
         if now >= deadline:
+            computer.require_running()
             return False
-        link.bus.receive(deadline - now)
+        if not link.bus.receive(min(deadline - now, _LOOK_S)):
+            computer.require_running()
     return True
 
 
-def _listen_until(until_us: int, offset_us: int, link: Link) -> None:
+def _listen_until(until_us: int, offset_us: int, link: Link) -> int:
+    """Log what is heard until the flight time has come; returns the time it is then."""
     while True:
-        link.now_us = _wall_us() + offset_us
+        now_us = _wall_us() + offset_us
+        if link.now_us is not None:
+            link.now_us = now_us
         link.bus.receive()
-        if link.now_us >= until_us:
-            return
-        select.select([link.bus], [], [], (until_us - link.now_us) * 1e-6)
+        if now_us >= until_us:
+            return now_us
+        select.select([link.bus], [], [], (until_us - now_us) * 1e-6)
 
 
 def _time_us(payload: bytes) -> int:

@@ -20,6 +20,7 @@ from lodestar.harness.bus import Bus
 
 _PR_SET_PDEATHSIG = 1
 _BAD_INPUT = 2
+_SAYS = "lodestar-fc: "
 
 _libc = ctypes.CDLL(None)
 
@@ -150,7 +151,7 @@ class FlightComputer:
                 self._bus.wait_for("HEALTH", timeout_s=0.05)
             except TimeoutError:
                 if self.exit_status == _BAD_INPUT:
-                    raise InputError(self._last_words.removeprefix("error: ")) from None
+                    raise InputError(self._last_words.removeprefix(_SAYS)) from None
                 self.require_running()
             else:
                 return
@@ -184,7 +185,7 @@ def replay(
     )
     last_words = (ended.stderr.strip().splitlines() or ["it said nothing"])[-1]
     if ended.returncode == _BAD_INPUT:
-        raise InputError(last_words.removeprefix("error: "))
+        raise InputError(last_words.removeprefix(_SAYS))
     if ended.returncode != 0:
         raise FlightComputerError(
             f"lodestar-fc --replay ended with status {ended.returncode}: {last_words}"
