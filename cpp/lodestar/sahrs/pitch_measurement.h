@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cmath>
+
+#include "lodestar/sahrs/slow_noise.h"
+#include "lodestar/sahrs/state.h"
+#include "lodestar/sahrs/tilt.h"
+
+namespace lodestar::sahrs {
+
+/// What the pitch measurement is made of, all at one time.
+struct PitchInput {
+  double true_airspeed;  // m/s
+  double alpha;          // rad
+  double beta;           // rad
+  double climb_rate;     // m/s, up
+  Tilt tilt;             // predicted
+};
+
+/// Pitch from air data (SAHRS paper §3.2; the estimate of roll is used in it). With the air
+/// velocity in B along alpha and beta, and no vertical wind,
+///     climb_rate = a sin(pitch) - c cos(pitch),
+///     a = V cos(alpha) cos(beta),  c = V (sin(beta) sin(roll) + sin(alpha) cos(beta) cos(roll)),
+/// of which pitch = asin(climb_rate / hypot(a, c)) + atan2(c, a). Needs |climb_rate| < hypot(a, c)
+/// and pitch away from +-90 degrees.
+///
+/// To first order the innovation is the pitch error, less what the error of roll puts into it, plus
+/// the biases of alpha and beta. `alpha_sigma` (rad) is white, `climb_rate` (m^2/s^2) is the error
+/// of the rate of climb through the air: the filter's, and the vertical wind.
+inline Measurement<1> pitch_measurement(const PitchInput& in, double alpha_sigma,
+                                        const SlowNoise& climb_rate) {
+  const double sin_alpha = std::sin(in.alpha), cos_alpha = std::cos(in.alpha);
+  const double sin_beta = std::sin(in.beta), cos_beta = std::cos(in.beta);
+  const double sin_roll = in.tilt.sin_roll, cos_roll = in.tilt.cos_roll;
+  const double V = in.true_airspeed;
+  const double a = V * cos_alpha * cos_beta;
+  const double c = V * (sin_beta * sin_roll + sin_alpha * cos_beta * cos_roll);
+  const double plane_squared = a * a + c * c;
+  const double horizontal_squared = plane_squared - in.climb_rate * in.climb_rate;
+  const double pitch = std::asin(in.climb_rate / std::sqrt(plane_squared)) + std::atan2(c, a);
+
+  // Partial derivatives of the measured pitch.
+  const double shared = in.climb_rate / (plane_squared * std::sqrt(horizontal_squared));
+  const double d_a = -c / plane_squared - a * shared;
+  const double d_c = a / plane_squared - c * shared;
+  const double d_roll = d_c * V * (sin_beta * cos_roll - sin_alpha * cos_beta * sin_roll);
+  const double d_alpha = V * cos_beta * (d_c * cos_alpha * cos_roll - d_a * sin_alpha);
+  const double d_beta = V * (d_c * (cos_beta * sin_roll - sin_alpha * sin_beta * cos_roll) -
+                             d_a * cos_alpha * sin_beta);
+
+  Measurement<1> m;
+  m.innovation(0) = pitch - std::atan2(in.tilt.sin_pitch, in.tilt.cos_pitch);
+  m.H.middleCols<kAttitude.size>(kAttitude.offset) = in.tilt.d_pitch() - d_roll * in.tilt.d_roll();
+  m.H(0, kAlphaBias.offset) = d_alpha;
+  m.H(0, kBetaBias.offset) = d_beta;
+  m.R(0, 0) =
+      d_alpha * d_alpha * alpha_sigma * alpha_sigma + climb_rate.variance / horizontal_squared;
+  m.excess = climb_rate.excess / horizontal_squared;
+  return m;
+}
+
+}  // namespace lodestar::sahrs
