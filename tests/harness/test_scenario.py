@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from lodestar import _core
 from lodestar.errors import InputError
 from lodestar.harness.faults import Fault
 from lodestar.harness.scenario import (
@@ -16,6 +17,7 @@ from lodestar.harness.scenario import (
     scenario_names,
     simulate,
 )
+from lodestar.navigator import run
 
 THESIS = (
     "ordinary",
@@ -98,8 +100,6 @@ def test_simulate_gives_the_sensors_of_the_suite_and_the_truth():
 
 
 def test_magnetic_truth_is_not_the_estimators_model():
-    from lodestar import _core
-
     truth = simulate(short("ordinary", 1.0), 1)["TRUTH"]
     where = (truth["lat"][0], truth["lon"][0], truth["h"][0], 2026.5)
     np.testing.assert_array_equal(truth["b_N"][0], _core.geomagnetic_field(*where, model="wmm2025"))
@@ -225,6 +225,15 @@ def test_flight_computer_starts_from_the_last_ins_attitude_or_cold():
     assert initial["lat_deg"] == pytest.approx(np.degrees(recording["INS"]["lat"][0]))
     cold = replace(scenario, initial_heading="cold")
     assert "initial" not in tomllib.loads(estimator_config(cold, recording))
+
+
+@pytest.mark.parametrize("name", ["ordinary", "hard", "uav-gps-loss"])
+def test_flight_computer_takes_the_configuration_of_a_scenario(name):
+    scenario = short(name, 15.0)
+    recording = simulate(scenario, 1)
+    outputs = run(recording, estimator_config(scenario, recording))
+    assert len(outputs["SAHRS"]["time_us"]) == len(recording["EFCS.RATES"]["time_us"])
+    assert outputs["SAHRS"]["valid"][-1]
 
 
 def test_overrides_go_before_the_scenarios_own_configuration():
