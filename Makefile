@@ -9,7 +9,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 BUILD := build/python
 SCENARIO ?= ordinary
-PIP := $(BIN)/pip --disable-pip-version-check -q
+PIP := $(BIN)/pip --disable-pip-version-check -qq
 CPP_FILES = $(shell git ls-files '*.h' '*.cpp' | grep -v generated)
 
 .DEFAULT_GOAL := help

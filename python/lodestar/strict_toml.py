@@ -77,8 +77,8 @@ def parse(text: str, source: str) -> Document:
         values = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
         line = re.search(r"at line (\d+)", str(error))
-        where = f"{source}:{line[1]}" if line else source
-        raise InputError(f"{where}: not TOML: {error}") from None
+        number = line[1] if line else len(text.splitlines())
+        raise InputError(f"{source}:{number}: not TOML: {error}") from None
     return Document(source, values, _key_lines(text))
 
 
@@ -164,6 +164,7 @@ def _check_scalar(
         raise document.error(at, f"{value:g} is out of range; allowed is {allowed}")
 
 
+_TEXT_OR_COMMENT = re.compile(r"\"[^\"]*\"|'[^']*'|#.*")
 _HEADER = re.compile(r"\s*(\[\[?)([^\[\]]+)\]\]?\s*(#.*)?$")
 _KEY = re.compile(r"\s*((?:[A-Za-z0-9_-]+|\"[^\"]*\"|'[^']*')(?:\s*\.\s*[A-Za-z0-9_-]+)*)\s*=")
 
@@ -173,16 +174,22 @@ def _key_lines(text: str) -> dict[KeyPath, int]:
     lines: dict[KeyPath, int] = {}
     table: KeyPath = ()
     counts: dict[KeyPath, int] = {}
+    open_brackets = 0
     for number, line in enumerate(text.splitlines(), start=1):
-        if header := _HEADER.match(line):
+        header = None if open_brackets else _HEADER.match(line)
+        if header:
             table = _parts(header[2])
             if header[1] == "[[":
                 counts[table] = counts.get(table, -1) + 1
                 lines.setdefault(table, number)
                 table = (*table, counts[table])
             lines.setdefault(table, number)
-        elif key := _KEY.match(line):
+            continue
+        key = None if open_brackets else _KEY.match(line)
+        if key:
             lines.setdefault((*table, *_parts(key[1])), number)
+        bare = _TEXT_OR_COMMENT.sub("", line)
+        open_brackets += sum(bare.count(c) for c in "[{") - sum(bare.count(c) for c in "]}")
     return lines
 
 

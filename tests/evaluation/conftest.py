@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from scipy.integrate import cumulative_trapezoid
 
-from lodestar import rotation
+from lodestar import channels, rotation
 from lodestar.recordings import Recording
 from lodestar.simulation import earth
 
@@ -139,6 +139,24 @@ def gps_message(truth, every, lost_s=()):
     }
 
 
+def health_message(truth, every):
+    """Columns of HEALTH at every n-th truth row: innovations of one sigma, one fix refused."""
+    time_us = truth["time_us"][::every]
+    count = len(time_us)
+    columns = {
+        field.name: np.zeros((count, *field.shape), field.dtype)
+        for field in channels.fields("HEALTH")
+    }
+    columns["time_us"] = time_us
+    columns["innovation_sigma"][:, :7] = 1.0
+    columns["innovation"][:, :7] = np.random.default_rng(3).normal(size=(count, 7))
+    columns["received"] += np.arange(count)[:, None]
+    columns["used"] = columns["received"].copy()
+    columns["rejected"][count // 2 :, channels.INPUTS.index("GPS"), 11] = 1
+    columns["build_version"][:, :5] = np.frombuffer(b"0.1.0", np.uint8)
+    return columns
+
+
 def put_all(columns_by_channel):
     recording = Recording()
     for name, columns in columns_by_channel.items():
@@ -157,6 +175,7 @@ def synthetic():
         nav = staticmethod(navigation_message)
         air_data = staticmethod(air_data_message)
         gps = staticmethod(gps_message)
+        health = staticmethod(health_message)
         recording = staticmethod(put_all)
 
     return Synthetic

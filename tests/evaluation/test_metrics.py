@@ -51,13 +51,13 @@ def test_offset_across_the_date_line_is_short():
     assert abs(offset[0, 1]) < 12.0
 
 
-def test_gaps_are_silences_longer_than_allowed_and_the_tail():
+def test_a_gap_runs_from_the_first_message_that_did_not_come():
     time_us = np.array([0, 1, 2, 6, 7]) * 1_000_000
     found = gaps(time_us, 12_000_000, 3_000_000)
     assert [(gap.start_us, gap.end_us) for gap in found] == [
-        (2_000_000, 6_000_000),
-        (7_000_000, 12_000_000),
+        (3_000_000, 6_000_000),
+        (8_000_000, 12_000_000),
     ]
-    assert found[0].duration_s == 4.0
+    assert found[0].duration_s == 3.0
     assert gaps(time_us[:3], 5_000_000, 3_000_000) == []
     assert gaps(time_us[:0], 5_000_000, 3_000_000) == []

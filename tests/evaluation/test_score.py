@@ -24,7 +24,7 @@ def flight(synthetic):
         {
             "TRUTH": truth,
             "ADC": synthetic.air_data(truth),
-            "GPS": synthetic.gps(truth, 10, [(60.0, 100.0)]),
+            "GPS": synthetic.gps(truth, 10, [(59.5, 100.0)]),
             "SAHRS": synthetic.sahrs(truth, 1.0 * DEG, -0.5 * DEG, 3.0 * DEG * wave, 2.0 * DEG),
             "NAV": synthetic.nav(
                 truth,

@@ -11,9 +11,10 @@ import pytest
 
 from lodestar import navigator
 from lodestar.evaluation.score import score
+from lodestar.harness import CONFIG, LOG
 from lodestar.harness.faults import Fault
 from lodestar.harness.flight_computer import FlightComputerError, find_executable
-from lodestar.harness.fly import CONFIG, LOG, Plan, fly_plan, prepare
+from lodestar.harness.fly import Plan, fly_plan, prepare
 from lodestar.harness.isolation import isolated_bus
 from lodestar.harness.replay import replay
 from lodestar.recordings.log import read_log

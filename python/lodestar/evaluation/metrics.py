@@ -43,7 +43,10 @@ def north_east_m(lat: Array, lon: Array, ref_lat: Array, ref_lon: Array, ref_h: 
 
 @dataclass(frozen=True)
 class Gap:
-    """A silence of a sensor, in us: from its last message to its next, or to the end."""
+    """A silence of a sensor, in us: from the first message that did not come to the next that did.
+
+    Where none came any more, to the end.
+    """
 
     start_us: int
     end_us: int
@@ -55,10 +58,11 @@ class Gap:
 
 
 def gaps(time_us: NDArray[np.int64], end_us: int, longest_us: int) -> list[Gap]:
-    """Silences longer than ``longest_us`` between messages, and from the last one to ``end_us``."""
+    """Where messages are more than ``longest_us`` apart, or the last is so long before the end."""
     times = np.unique(time_us)
-    if len(times) == 0:
+    if len(times) < 2:
         return []
+    usual = int(np.median(np.diff(times)))
     edges = np.append(times, max(end_us, int(times[-1])))
     found = np.flatnonzero(np.diff(edges) > longest_us)
-    return [Gap(int(edges[i]), int(edges[i + 1])) for i in found]
+    return [Gap(int(edges[i]) + usual, int(edges[i + 1])) for i in found]

@@ -124,11 +124,11 @@ def inject(recording: Recording, faults: Iterable[Fault], seed: int) -> Recordin
     return faulty
 
 
-def raw_payloads(faults: Iterable[Fault], seed: int, until_s: float = inf) -> list[RawPayload]:
-    """Malformed datagrams of the faults, in order of arrival, none after ``until_s``.
+def raw_payloads(faults: Iterable[Fault], seed: int, until_s: float) -> list[RawPayload]:
+    """Malformed datagrams of the faults, in order of arrival, none from ``until_s`` on.
 
     Each kind of damage takes its turn: empty, cut short, foreign fingerprint, trailing bytes,
-    random bytes, as long as a datagram gets. A fault without an end needs ``until_s``.
+    random bytes, as long as a datagram gets.
     """
     payloads = []
     for number, fault in enumerate(faults):
@@ -136,8 +136,6 @@ def raw_payloads(faults: Iterable[Fault], seed: int, until_s: float = inf) -> li
             continue
         rng = random_stream(seed, f"fault {number}")
         end = min(fault.start_s + fault.duration_s, until_s)
-        if end == inf:
-            raise InputError("fault malformed: needs a duration_s")
         times = np.arange(fault.start_s, end, fault.interval_s)
         for turn, time in enumerate(times):
             data = _malformed(fault.channel, turn, rng)

@@ -14,7 +14,7 @@ from pathlib import Path
 from lodestar import _core
 from lodestar import channels as table
 from lodestar.errors import InputError
-from lodestar.harness import clock
+from lodestar.harness import CONFIG, LOG, clock
 from lodestar.harness.bus import Bus
 from lodestar.harness.clock import Event, Link, Progress
 from lodestar.harness.faults import RawPayload
@@ -29,9 +29,6 @@ from lodestar.harness.scenario import (
 )
 from lodestar.recordings import Recording, codec
 from lodestar.recordings.log import read_log
-
-LOG, CONFIG = "flight.lcm", "config.toml"
-"""What a flight leaves in its folder: the log, and the flight computer's configuration."""
 
 
 @dataclass(frozen=True)

@@ -7,8 +7,10 @@ started, until a test asks for one of the fixtures.
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Callable, Iterator
-from typing import TYPE_CHECKING
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import pytest
 
@@ -48,10 +50,21 @@ def flight_computer(bus: Bus) -> Iterator[FlightComputer]:
 
 @pytest.fixture
 def scenario() -> Callable[..., Scenario]:
-    """``scenario(name_or_path)``: a scenario, shipped or from a TOML file."""
+    """``scenario(name_or_path, **changes)``: a scenario, with some of its keys changed.
+
+    The changes are fields of ``lodestar.harness.scenario.Scenario``, as in
+    ``scenario("ordinary", duration_s=60, faults=[Fault("dropout", "SMDU", start_s=30)])``.
+    """
+    from lodestar.harness.faults import check_fault
     from lodestar.harness.scenario import load_scenario
 
-    return load_scenario
+    def load(name_or_path: str | Path, **changes: Any) -> Scenario:
+        loaded = dataclasses.replace(load_scenario(name_or_path), **changes)
+        for fault in loaded.faults:
+            check_fault(fault)
+        return loaded
+
+    return load
 
 
 @pytest.fixture

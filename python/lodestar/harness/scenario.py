@@ -200,14 +200,17 @@ def simulate(scenario: Scenario, seed: int) -> Recording:
 
 def malformed_datagrams(scenario: Scenario, seed: int) -> list[RawPayload]:
     """Payloads that the scenario's faults put on the bus besides the recording's messages."""
-    return raw_payloads(scenario.faults, seed)
+    return raw_payloads(scenario.faults, seed, scenario.duration_s)
 
 
-def estimator_config(scenario: Scenario, recording: Recording) -> str:
+def estimator_config(
+    scenario: Scenario, recording: Recording, overrides: Mapping[str, Any] | None = None
+) -> str:
     """The configuration (TOML text) of the flight computer for a simulated flight.
 
     The date is the scenario's. With ``initial_heading = "init"`` and an INS on board the start is
-    the INS's first solution; otherwise the flight computer aligns itself.
+    the INS's first solution; otherwise the flight computer aligns itself. The scenario's own
+    [estimator] goes before that, and ``overrides`` (tables as tomllib gives them) before both.
     """
     tables: dict[str, Any] = {"earth": {"epoch_year": scenario.epoch_year}}
     if scenario.initial_heading == "init" and "INS" in recording:
@@ -220,7 +223,7 @@ def estimator_config(scenario: Scenario, recording: Recording) -> str:
             "heading_sigma_deg": _LAST_INS_SIGMA_DEG,
             "attitude_sigma_deg": _LAST_INS_SIGMA_DEG,
         }
-    return _toml_text(_merge(tables, scenario.estimator))
+    return _toml_text(_merge(_merge(tables, scenario.estimator), overrides or {}))
 
 
 def _shipped_scenario(name: str) -> Path:

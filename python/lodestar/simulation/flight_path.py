@@ -39,7 +39,7 @@ Array = NDArray[np.float64]
 TICK = 0.1  # s
 ROLL_ONSET = 0.5  # s, to reach a roll rate
 LOAD_ONSET = 4.0  # g/s, steepest
-SHORTEST_ONSET = 1.0  # s, of a load
+SHORTEST_ONSET = 1.0  # s, of a load or a bank
 SPEED_RAMP = 5.0  # s, to reach a longitudinal acceleration
 STEEPEST_BANK = math.radians(85.0)
 STEEPEST_PATH = math.radians(75.0)  # of straight flight
@@ -108,10 +108,12 @@ class PathBuilder:
         self._parts: list[Array] = []
 
     def path(self) -> FlightPath:
-        """The path flown so far, its last sample included."""
-        s = self.state
-        last = np.array([[s.airspeed, s.path_angle, s.track, s.bank]])
-        return FlightPath(self.start, self.rate_hz, *np.concatenate([*self._parts, last]).T.copy())
+        """The path flown so far; there must be some.
+
+        Where a loop or roll is complete, the angles start again from zero with the next part.
+        """
+        parts = [part[:-1] for part in self._parts[:-1]] + self._parts[-1:]
+        return FlightPath(self.start, self.rate_hz, *np.concatenate(parts).T.copy())
 
     # Manoeuvres
 
@@ -136,7 +138,7 @@ class PathBuilder:
             if duration is None:
                 raise FlightError("a turn needs a bank or a duration")
             bank = math.atan(mean_speed * abs(angle) / (0.9 * duration * G))
-        ramp = _round_up(STEP_SLOPE * bank / roll_rate)
+        ramp = _round_up(max(SHORTEST_ONSET, STEP_SLOPE * bank / roll_rate))
         if duration is None:
             per_second = G / mean_speed * np.tan(bank * step(np.linspace(0, 1, 201)))
             while_rolling = 2 * ramp * float(np.mean(per_second))
@@ -249,13 +251,11 @@ class PathBuilder:
             raise FlightError("the path would sag too far; roll faster or fewer turns")
         self.vertical_turn(before - 0.5 * sag, load=RECOVERY_LOAD if sag < 0 else 0.0)
         self._roll(angle, duration, load)
-        # The bank is a whole number of turns: wings level again.
-        self.state = replace(self.state, bank=0.0)
         back = before - self.state.path_angle
         onset = _load_onset(RECOVERY_LOAD - 1.0)
         wanted = onset + abs(back) * self.state.airspeed / ((RECOVERY_LOAD - 1.0) * G)
         self._pitch(back, _round_up(max(2 * onset, wanted)), onset)
-        self.state = replace(self.state, path_angle=before)
+        self.state = replace(self.state, path_angle=before, bank=0.0)
 
     def split_s(self, *, rate: float, load: float) -> None:
         """Half roll to the right, then half a loop downwards; ``load`` (g) at its bottom."""
@@ -263,8 +263,8 @@ class PathBuilder:
         self._roll(math.pi, _round(math.pi / rate + ROLL_ONSET), 1.0)
         self.state = replace(self.state, bank=math.pi)
         pull = (load - 1.0 - 2.0 * ENERGY_TRADE) * G / self.state.airspeed
-        if pull <= 0:
-            raise FlightError(f"load must be above {1 + 2 * ENERGY_TRADE:.1f} g")
+        if pull <= 0.02:
+            raise FlightError("load too low to pull through; raise it")
         angle = -math.pi - self.state.path_angle
         onset = _load_onset(load - 1.0)
         self._pitch(angle, _round(onset + abs(angle) / pull), onset, trade=ENERGY_TRADE)
@@ -364,7 +364,7 @@ class PathBuilder:
         climb = columns[0] * np.sin(columns[1])
         rise = float(np.sum(climb[1:] + climb[:-1])) / (2 * self.rate_hz)
         part = np.stack(columns, axis=-1)
-        self._parts.append(part[:-1])
+        self._parts.append(part)
         self.time += float(t[-1])
         speed, path, direction, banked = part[-1].tolist()
         self.state = State(speed, path, direction, banked, s.altitude + rise)

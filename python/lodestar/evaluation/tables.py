@@ -1,0 +1,42 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The score in the terminal."""
+
+from __future__ import annotations
+
+from rich import box
+from rich.console import Console
+from rich.markup import escape
+from rich.table import Table as RichTable
+
+from lodestar.evaluation import summary
+from lodestar.evaluation.score import Score
+
+
+def print_table(score: Score, console: Console | None = None) -> None:
+    """Print what was flown, the errors, the losses of GPS, the notes and the verdict."""
+    out = console or Console()
+    out.print(f"[bold]{escape(summary.headline(score))}[/bold]", end="\n\n")
+    for table in (summary.error_table(score), summary.loss_table(score)):
+        if table is not None:
+            out.print(_rich(table))
+            out.print()
+    for note in summary.notes(score):
+        out.print(escape(note), style="dim", highlight=False)
+    style = "bold green" if score.passed else "bold red"
+    out.print(escape(summary.verdict(score)), style=style, highlight=False)
+
+
+def _rich(table: summary.Table) -> RichTable:
+    made = RichTable(box=box.SIMPLE_HEAD, show_edge=False, pad_edge=False, collapse_padding=True)
+    for index, name in enumerate(table.header):
+        # Broken at its first word, so that the columns are no wider than their figures.
+        heading = name.replace(" ", "\n", 1) if index else name
+        made.add_column(heading, justify="right" if index else "left", no_wrap=True)
+    for row, cells in enumerate(table.rows):
+        made.add_row(
+            *(
+                f"[bold red]{escape(cell)}[/bold red]" if (row, column) in table.bad else cell
+                for column, cell in enumerate(cells)
+            )
+        )
+    return made
