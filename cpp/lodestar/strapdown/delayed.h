@@ -32,7 +32,8 @@ struct Delayed {
     H.setZero();
     m.visit_H([&H](int offset, const auto& part_of_H) {
       if constexpr (std::is_same_v<std::decay_t<decltype(part_of_H)>, double>) {
-        if (offset < kMotion.size) H.template middleCols<kRows>(offset).diagonal().array() += part_of_H;
+        if (offset < kMotion.size)
+          H.template middleCols<kRows>(offset).diagonal().array() += part_of_H;
       } else {
         constexpr int kWidth = std::decay_t<decltype(part_of_H)>::ColsAtCompileTime;
         if (offset < kMotion.size) H.template middleCols<kWidth>(offset) += part_of_H;

@@ -9,9 +9,9 @@
 namespace lodestar::strapdown {
 
 /// How strong the gusts are, learnt from the innovations of the air data: while these are larger
-/// than the filter expects the level rises, while they are smaller it falls. In calm air a level that
-/// stays high would waste the airspeed and the vanes, in turbulence one that stays low would bend
-/// attitude after every gust.
+/// than the filter expects the level rises, while they are smaller it falls. In calm air a level
+/// that stays high would waste the airspeed and the vanes, in turbulence one that stays low would
+/// bend attitude after every gust.
 class GustLevel {
  public:
   /// `sigma` at the start and its bounds (m/s); `adaptation` (s): time to change it e-fold when the

@@ -18,7 +18,7 @@ struct Corrections {
   double baro_height = 0.0;
 
   void add(const StateVector& x) {
-    const Eigen::Quaterniond more = math::exp_quaternion(part<3>(x, kAttitude));
+    const Eigen::Quaterniond more = turn_of(part<3>(x, kAttitude));
     turn = (more * turn).normalized();
     velocity_N = more * velocity_N + part<3>(x, kVelocity);
     height += x(kHeight.offset);

@@ -6,9 +6,11 @@
 
 namespace lodestar::strapdown {
 
-/// What is known of the sensors before the flight; attitude and velocity are not.
+/// What is known of the sensors before the flight. Of attitude nothing is; velocity and height
+/// start with the first air data.
 inline Covariance initial_covariance(const Parameters& p) {
   StateVector sigma = StateVector::Zero();
+  part<3>(sigma, kAttitude).setConstant(math::kPi);
   part<3>(sigma, kForceBias).setConstant(p.load_bias_sigma * samples::kStandardGravity);
   for (int j = 0; j < 3; ++j) {
     for (int i = 0; i < 3; ++i) {

@@ -8,7 +8,8 @@ namespace lodestar::strapdown {
 
 /// The magnetic field in body axes against the model's field `b_N` (nT in N):
 ///     b_B = (I + field_matrix) C_NB' b_N + field_bias + field_drift + noise
-/// With C_NB true = exp([phi x]) C_NB the true field in B is C_NB' (b_N + b_N x phi), to first order.
+/// With C_NB true = exp([phi x]) C_NB the true field in B is C_NB' (b_N + b_N x phi), to first
+/// order.
 struct MagneticMeasurement {
   static constexpr int kRows = 3;
   Eigen::Vector3d innovation;  // nT, measured minus predicted

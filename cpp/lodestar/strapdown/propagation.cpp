@@ -31,8 +31,7 @@ class Transition {
 
   /// Columns of Y are states, as far as the motion depends on them: the motion columns of Y Phi'.
   template <int Rows>
-  Eigen::Matrix<double, Rows, kMoving> apply(
-      const Eigen::Matrix<double, Rows, kDriving>& Y) const {
+  Eigen::Matrix<double, Rows, kMoving> apply(const Eigen::Matrix<double, Rows, kDriving>& Y) const {
     using Columns = Eigen::Matrix<double, Rows, 3>;
     using Column = Eigen::Matrix<double, Rows, 1>;
     const double dt = step_.dt;
@@ -54,9 +53,8 @@ class Transition {
                    turned.lazyProduct(velocity_cross_.transpose()) +
                    Y.template middleCols<3>(kForceBias.offset).lazyProduct(Ct);
     const Column height = Y.col(kHeight.offset);
-    const Column climbed =
-        phi_middle.lazyProduct((dt * velocity_cross_.row(2)).transpose()) -
-        (0.5 * dt) * (velocity.col(2) + velocity_out.col(2));
+    const Column climbed = phi_middle.lazyProduct((dt * velocity_cross_.row(2)).transpose()) -
+                           (0.5 * dt) * (velocity.col(2) + velocity_out.col(2));
     out.col(kHeight.offset) = height + climbed;
     out.col(kBaroHeight.offset) =
         decay_ * Y.col(kBaroHeight.offset) + (1.0 - decay_) * (height + 0.5 * climbed);
@@ -105,8 +103,7 @@ Step move(Estimate& x, const Eigen::Vector3d& omega_B, const Eigen::Vector3d& fo
   const Eigen::Vector3d v_before = x.air_velocity_N;
   const Eigen::Vector3d omega_IB_B = omega_B - x.gyro_matrix * omega_B - x.gyro_bias_B;
   const Eigen::Vector3d omega_IN_N = place.earth_rate_N + place.transport_rate_N;
-  x.q_NB = (math::exp_quaternion(-dt * omega_IN_N) * x.q_NB *
-            math::exp_quaternion(dt * omega_IB_B))
+  x.q_NB = (math::exp_quaternion(-dt * omega_IN_N) * x.q_NB * math::exp_quaternion(dt * omega_IB_B))
                .normalized();
   x.C_NB = x.q_NB.toRotationMatrix();
 
@@ -138,6 +135,27 @@ void propagate(Covariance& P, const Step& step, const Place& place, const Proces
   decay(P, kFieldDrift, noise.field_drift_decay);
   decay(P, kGust, noise.gust_decay);
   add_noise(P, step, noise);
+}
+
+void propagate_error(StateVector& x, const Step& step, const Place& place,
+                     const ProcessNoise& noise) {
+  const Eigen::Matrix<double, 1, kDriving> row = x.head<kDriving>().transpose();
+  x.head<kMoving>() = Transition(step, place).apply<1>(row).transpose();
+  part<3>(x, kFieldDrift) *= noise.field_drift_decay;
+  part<3>(x, kGust) *= noise.gust_decay;
+}
+
+void turn_sensor_errors(Covariance& P, const Eigen::Matrix3d& R_B) {
+  for (const math::Block block : {kForceBias, kGyroBias, kFieldDrift, kFieldBias}) {
+    Eigen::Matrix<double, kStates, 3> columns = symmetric_columns<3>(P, block.offset);
+    columns = (columns * R_B.transpose()).eval();
+    columns.middleRows<3>(block.offset) = (R_B * columns.middleRows<3>(block.offset)).eval();
+    for (int j = 0; j < 3; ++j) {
+      const int c = block.offset + j;
+      P.col(c).tail(kStates - c) = columns.col(j).tail(kStates - c);
+      P.row(c).head(c) = columns.col(j).head(c).transpose();
+    }
+  }
 }
 
 }  // namespace lodestar::strapdown

@@ -31,12 +31,12 @@ Eigen::Matrix<double, N, Width> symmetric_columns(const Eigen::Matrix<double, N,
 ///     if (!gate.passes(update.normalised_square(0), 1)) update.exclude(0);
 ///     x = update.apply(P);
 ///
-/// A Measurement has kRows, innovation, variance and visit_H(visit), which calls visit(offset, part)
-/// for each part of H: its columns from `offset` on, or a number that stands for that multiple of
-/// the identity.
+/// A Measurement has kRows, innovation, variance and visit_H(visit), which calls visit(offset,
+/// part) for each part of H: its columns from `offset` on, or a number that stands for that
+/// multiple of the identity.
 ///
-/// The covariance follows Joseph's form, (I - K H) P (I - K H)' + K R K', which for the optimal gain
-/// K = P H' S^-1 is P - G G' with G = P H' L'^-1 and S = L L'.
+/// The covariance follows Joseph's form, (I - K H) P (I - K H)' + K R K', which for the optimal
+/// gain K = P H' S^-1 is P - G G' with G = P H' L'^-1 and S = L L'.
 template <int N, class Measurement>
 class SparseUpdate {
  public:
@@ -61,6 +61,17 @@ class SparseUpdate {
       } else {
         constexpr int kWidth = std::decay_t<decltype(H)>::ColsAtCompileTime;
         S_ += H.lazyProduct(PHt_.template middleRows<kWidth>(offset));
+      }
+    });
+  }
+
+  /// Takes from the innovation what an estimated error `x` of the states makes of it.
+  void expect(const Measurement& m, const Eigen::Matrix<double, N, 1>& x) {
+    m.visit_H([&](int offset, const auto& H) {
+      if constexpr (std::is_same_v<std::decay_t<decltype(H)>, double>) {
+        innovation_ -= H * x.template segment<M>(offset);
+      } else {
+        innovation_ -= H * x.template segment<std::decay_t<decltype(H)>::ColsAtCompileTime>(offset);
       }
     });
   }

@@ -2,11 +2,11 @@
 #include "lodestar/strapdown/velocity_filter.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "lodestar/earth/wgs84.h"
 #include "lodestar/strapdown/air_data_aid.h"
-#include "lodestar/strapdown/baro_aid.h"
 #include "lodestar/strapdown/initial_covariance.h"
 #include "lodestar/strapdown/magnetic_aid.h"
 #include "lodestar/strapdown/sparse_update.h"
@@ -14,10 +14,14 @@
 namespace lodestar::strapdown {
 namespace {
 
-constexpr double kMicrosecond = 1e-6;               // s
-constexpr std::int64_t kFresh_us = 200'000;         // a load factor this old still holds
-constexpr double kUnknownForce = 3.0;               // m/s^2/sqrt(Hz), where none is measured
-constexpr double kNearestPole = 1e-3;               // cos(latitude), for the transport rate
+constexpr double kMicrosecond = 1e-6;        // s
+constexpr std::int64_t kFresh_us = 200'000;  // a load factor this old still holds
+constexpr double kUnknownForce = 3.0;        // m/s^2/sqrt(Hz), where none is measured
+constexpr double kNearestPole = 1e-3;        // cos(latitude), for the transport rate
+
+constexpr double kLeastTurn = 1e-3;  // rad; a smaller turn of P is put off
+
+constexpr double kFoldError = 0.5;  // of a fold-in by degrees, what second-order terms make of it
 
 double seconds(std::int64_t later_us, std::int64_t earlier_us) {
   return kMicrosecond * static_cast<double>(later_us - earlier_us);
@@ -52,9 +56,70 @@ void VelocityFilter::start(const Eigen::Matrix3d& C_NB, const Eigen::Vector3d& s
   has_velocity_ = false;
   have_load_ = false;
   now_us_ = time_us;
+  held_ = false;
+  forget_history();
+}
+
+void VelocityFilter::hold_linearisation() {
+  held_ = true;
+  offset_.setZero();
+}
+
+void VelocityFilter::release_linearisation() {
+  if (!held_) return;
+  held_ = false;
+  const Eigen::Vector3d moved = part<3>(offset_, kAttitude);
+  P_.block<3, 3>(kAttitude.offset, kAttitude.offset) +=
+      square(kFoldError) * moved * moved.transpose();
+  fold_in(offset_);
+  offset_.setZero();
+}
+
+void VelocityFilter::start_again(const Eigen::Vector3d& sigma_B) {
+  release_linearisation();
+  const Estimate best = x_;
+  x_ = Estimate{};
+  x_.q_NB = best.q_NB;
+  x_.C_NB = best.C_NB;
+  x_.air_velocity_N = best.air_velocity_N;
+  x_.height = best.height;
+  x_.baro_height = best.baro_height;
+  P_ = initial_covariance(parameters_);
+  restart_attitude(P_, x_.C_NB * sigma_B.cwiseAbs2().asDiagonal() * x_.C_NB.transpose());
+  restart_velocity(P_, parameters_, gust_level_.sigma(), x_.air_velocity_N.norm());
+  forget_history();
+}
+
+void VelocityFilter::settle() {
+  StateVector rest = offset_;
+  part<3>(rest, kAttitude).setZero();
+  part<3>(rest, kVelocity) = turn_of(part<3>(offset_, kAttitude)).conjugate() *
+                             Eigen::Vector3d(part<3>(offset_, kVelocity));
+  x_.correct(rest);
+  corrections_.add(rest);
+  offset_.tail<kStates - kAttitude.size>().setZero();
+}
+
+void VelocityFilter::fold_in(const StateVector& correction) {
+  x_.correct(correction);
+  corrections_.add(correction);
+  unturned_N_ += part<3>(correction, kAttitude);
+  if (unturned_N_.squaredNorm() > kLeastTurn * kLeastTurn) {
+    turn_sensor_errors(P_, math::exp_so3(-(x_.C_NB.transpose() * unturned_N_)));
+    unturned_N_.setZero();
+  }
+}
+
+Estimate VelocityFilter::estimate() const {
+  Estimate best = x_;
+  if (held_) best.correct(offset_);
+  return best;
+}
+
+void VelocityFilter::forget_history() {
   corrections_ = Corrections{};
   history_.clear();
-  remember(Eigen::Vector3d::Zero(), 0.0);
+  remember(force_B_, 0.0);
 }
 
 void VelocityFilter::propagate(const samples::BodyRates& sample, double extra_angle_variance) {
@@ -74,6 +139,10 @@ void VelocityFilter::propagate(const samples::BodyRates& sample, double extra_an
   x_.field_drift_B *= noise.field_drift_decay;
   x_.gust_B *= noise.gust_decay;
   strapdown::propagate(P_, step, place_, noise);
+  if (held_) {
+    propagate_error(offset_, step, place_, noise);
+    settle();
+  }
   if (extra_angle_variance > 0.0) {
     P_.diagonal().segment<3>(kAttitude.offset).array() += extra_angle_variance;
   }
@@ -104,7 +173,8 @@ Eigen::Vector3d VelocityFilter::force_to_use(double& density) const {
   if (have_load_ && now_us_ - load_us_ <= kFresh_us) return force_B_;
   density = square(kUnknownForce);
   const Eigen::Vector3d weight_B = place_.gravity * x_.C_NB.row(2).transpose();
-  return omega_B().cross(x_.C_NB.transpose() * x_.air_velocity_N) - weight_B + x_.force_bias_B;
+  return corrected(measured_omega_B_).cross(x_.C_NB.transpose() * x_.air_velocity_N) - weight_B +
+         x_.force_bias_B;
 }
 
 void VelocityFilter::remember(const Eigen::Vector3d& force_B, double dt) {
@@ -118,11 +188,11 @@ void VelocityFilter::remember(const Eigen::Vector3d& force_B, double dt) {
   moment.height = x_.height;
   moment.baro_height = x_.baro_height;
   moment.impulse_N = impulse_N_;
-  moment.omega_NB_B =
-      omega_B() - x_.C_NB.transpose() * (place_.earth_rate_N + place_.transport_rate_N);
+  moment.omega_NB_B = corrected(measured_omega_B_) -
+                      x_.C_NB.transpose() * (place_.earth_rate_N + place_.transport_rate_N);
   moment.force_N = x_.C_NB * force_B;
-  moment.acceleration_N = moment.force_N - x_.C_NB * x_.force_bias_B +
-                          Eigen::Vector3d(0.0, 0.0, place_.gravity);
+  moment.acceleration_N =
+      moment.force_N - x_.C_NB * x_.force_bias_B + Eigen::Vector3d(0.0, 0.0, place_.gravity);
   moment.baro_rate = rate * baro_change;
   moment.corrections = corrections_;
 }
@@ -187,77 +257,77 @@ samples::Use VelocityFilter::update(const samples::LoadFactor& sample) {
 }
 
 samples::Use VelocityFilter::update(const samples::MagneticField& sample) {
+  if (sample.time_us == now_us_) {
+    return correct(measure_field(sample.b_B, x_, b_N_, parameters_.field_noise), kFieldX, true);
+  }
   Moment moment;
-  moment.time_us = now_us_;
-  if (sample.time_us != now_us_ && !locate(sample.time_us, moment)) return samples::Use::kHeld;
-  const bool late = sample.time_us != now_us_;
-  return correct(measure_field(sample.b_B, late ? estimate_at(moment) : x_, b_N_,
-                               parameters_.field_noise),
-                 moment, kFieldX, true);
+  if (!locate(sample.time_us, moment)) return samples::Use::kHeld;
+  const MagneticMeasurement then =
+      measure_field(sample.b_B, estimate_at(moment), b_N_, parameters_.field_noise);
+  return correct(Delayed<MagneticMeasurement>(then, delay_of(moment)), kFieldX, true);
 }
 
 samples::Use VelocityFilter::update(const samples::AirData& sample) {
-  if (sample.true_airspeed < parameters_.min_airspeed) return samples::Use::kAssumption;
+  if (!(sample.true_airspeed >= parameters_.min_airspeed)) return samples::Use::kAssumption;
   if (!has_velocity_) {
     start_velocity(sample);
     return samples::Use::kUsed;
   }
-  Moment moment;
-  moment.time_us = now_us_;
-  const bool late = sample.time_us != now_us_;
-  if (late && !locate(sample.time_us, moment)) return samples::Use::kHeld;
-  const Estimate& then = late ? estimate_at(moment) : x_;
-  const AirDataMeasurement air =
-      measure_air(sample, then, {parameters_.airspeed_noise, parameters_.flow_noise});
-  const BaroMeasurement baro =
-      measure_baro(sample.baro_altitude, then, parameters_.baro_noise);
-  const double dt = std::clamp(seconds(sample.time_us, air_us_), 0.0, 0.1);
-  air_us_ = sample.time_us;
-  const samples::Use use = correct(air, moment, kAirspeed, false);
-  double surprise = 0.0;
-  for (const Row row : {kAirspeed, kAlpha, kBeta}) {
-    surprise += square(innovation_[row] / innovation_sigma_[row]) / 3.0;
+  const AirDataNoise noise{parameters_.airspeed_noise, parameters_.flow_noise,
+                           parameters_.baro_noise};
+  samples::Use use = samples::Use::kHeld;
+  if (sample.time_us == now_us_) {
+    use = correct(measure_air(sample, x_, noise), kAirspeed, false);
+  } else {
+    Moment moment;
+    if (!locate(sample.time_us, moment)) return use;
+    const AirDataMeasurement then = measure_air(sample, estimate_at(moment), noise);
+    use = correct(Delayed<AirDataMeasurement>(then, delay_of(moment)), kAirspeed, false);
   }
-  gust_level_.learn(surprise, dt);
-  correct(baro, moment, kBaro, false);
+  learn_gust_level(seconds(sample.time_us, air_us_));
+  air_us_ = sample.time_us;
   if (std::cos(lat_) > kNearestPole) {
     place_.transport_rate_N = earth::transport_rate_N(lat_, h_, x_.air_velocity_N);
   }
   return use;
 }
 
+/// One sensor alone that is far off is taken for a fault of that sensor, several for a gust.
+void VelocityFilter::learn_gust_level(double dt) {
+  constexpr double kLongest = 0.1;  // s
+  constexpr std::array<Row, 3> kFlow = {kAirspeed, kAlpha, kBeta};
+  int gated = 0;
+  for (const Row row : kFlow) gated += rejected_ >> row & 1;
+  double sum = 0.0;
+  int count = 0;
+  for (const Row row : kFlow) {
+    if (gated == 1 && (rejected_ >> row & 1) != 0) continue;
+    sum += square(innovation_[row] / innovation_sigma_[row]);
+    ++count;
+  }
+  gust_level_.learn(sum / count, std::clamp(dt, 0.0, kLongest));
+}
+
 void VelocityFilter::start_velocity(const samples::AirData& sample) {
-  const double V = sample.true_airspeed;
-  const Eigen::Vector3d v_air_B =
-      V * Eigen::Vector3d(std::cos(sample.alpha) * std::cos(sample.beta), std::sin(sample.beta),
-                          std::sin(sample.alpha) * std::cos(sample.beta));
-  x_.air_velocity_N = x_.C_NB * v_air_B;
+  x_.air_velocity_N = x_.C_NB * air_velocity_B(sample);
   x_.gust_B.setZero();
   x_.height = sample.baro_altitude;
   x_.baro_height = sample.baro_altitude;
-  restart_velocity(P_, parameters_, gust_level_.sigma(), V);
+  restart_velocity(P_, parameters_, gust_level_.sigma(), sample.true_airspeed);
   air_us_ = sample.time_us;
   has_velocity_ = true;
-  corrections_ = Corrections{};
-  history_.clear();
-  remember(force_B_, 0.0);
+  forget_history();
 }
 
 template <class Measurement>
-samples::Use VelocityFilter::correct(const Measurement& m, const Moment& moment, Row first,
-                                     bool together) {
-  if (moment.time_us == now_us_) return correct_now(m, first, together);
-  return correct_now(Delayed<Measurement>(m, delay_of(moment)), first, together);
-}
-
-template <class Measurement>
-samples::Use VelocityFilter::correct_now(const Measurement& m, Row first, bool together) {
+samples::Use VelocityFilter::correct(const Measurement& m, Row first, bool together) {
   constexpr int kM = Measurement::kRows;
   SparseUpdate<kStates, Measurement> update(P_, m);
+  if (held_) update.expect(m, offset_);
   int passed = 0;
   for (int i = 0; i < kM; ++i) {
     const std::size_t row = static_cast<std::size_t>(first + i);
-    innovation_[row] = m.innovation(i);
+    innovation_[row] = update.innovation()(i);
     innovation_sigma_[row] = update.sigma(i);
     if (together || gate_.passes(update.normalised_square(i), 1)) passed |= 1 << i;
   }
@@ -270,8 +340,12 @@ samples::Use VelocityFilter::correct_now(const Measurement& m, Row first, bool t
     if ((passed >> i & 1) == 0) update.exclude(i);
   }
   const StateVector correction = update.apply(P_);
-  x_.correct(correction);
-  corrections_.add(correction);
+  if (held_) {
+    offset_ += correction;
+    settle();
+  } else {
+    fold_in(correction);
+  }
   return samples::Use::kUsed;
 }
 
@@ -279,10 +353,6 @@ Eigen::Matrix3d VelocityFilter::attitude_covariance_B() const {
   const Eigen::Matrix3d lower = P_.block<3, 3>(kAttitude.offset, kAttitude.offset);
   const Eigen::Matrix3d P_N = lower.selfadjointView<Eigen::Lower>();
   return x_.C_NB.transpose() * P_N * x_.C_NB;
-}
-
-Eigen::Vector3d VelocityFilter::omega_B() const {
-  return measured_omega_B_ - x_.gyro_matrix * measured_omega_B_ - x_.gyro_bias_B;
 }
 
 }  // namespace lodestar::strapdown
