@@ -59,6 +59,26 @@ inline std::array<FlightPoint, 6> flight_points() {
   }};
 }
 
+/// Steps of central differences, of the size of each state's error.
+inline StateVector steps() {
+  StateVector h;
+  part<3>(h, kAttitude).setConstant(1e-4);
+  part<3>(h, kVelocity).setConstant(1e-2);
+  h(kHeight.offset) = h(kBaroHeight.offset) = 1e-1;
+  part<3>(h, kForceBias).setConstant(1e-3);
+  part<9>(h, kGyroMatrix).setConstant(1e-4);
+  part<3>(h, kGyroBias).setConstant(1e-4);
+  part<3>(h, kFieldDrift).setConstant(1.0);
+  part<3>(h, kGust).setConstant(1e-2);
+  part<3>(h, kFieldBias).setConstant(1.0);
+  part<9>(h, kFieldMatrix).setConstant(1e-4);
+  h(kAirspeedScale.offset) = 1e-4;
+  h(kAirspeedBias.offset) = 1e-2;
+  part<2>(h, kFlowBias).setConstant(1e-4);
+  part<2>(h, kFlowScale).setConstant(1e-4);
+  return h;
+}
+
 inline Place sweden() {
   Place place;
   place.gravity = 9.818;
