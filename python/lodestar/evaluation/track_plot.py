@@ -11,11 +11,11 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, MaxNLocator
 from numpy.typing import NDArray
 
+from lodestar import _core
 from lodestar.evaluation import drawing
 from lodestar.evaluation.metrics import Gap
 from lodestar.evaluation.score import Score
 from lodestar.recordings.recording import Channel, Recording
-from lodestar.simulation import earth
 
 Array = NDArray[np.float64]
 
@@ -58,8 +58,8 @@ def track(recording: Recording, score: Score) -> Figure | None:
 def _stretch(lat: Array, h: Array) -> float:
     """Length of a degree of latitude over one of longitude."""
     middle, height = float(np.mean(lat)), float(np.mean(h))
-    north = earth.meridian_radius(middle) + height
-    return float(north / ((earth.transverse_radius(middle) + height) * np.cos(middle)))
+    north = _core.meridian_radius(middle) + height
+    return float(north / ((_core.transverse_radius(middle) + height) * np.cos(middle)))
 
 
 def _map(lat: Array, lon: Array, stretch: float) -> tuple[Figure, Axes]:
@@ -134,7 +134,7 @@ def _scale_bar(axes: Axes, lat: Array, stretch: float) -> None:
     """A bar of a round length, about a fifth of the width, in the lower left corner."""
     west, east = axes.get_xlim()
     south, north = axes.get_ylim()
-    metre = np.rad2deg(1.0 / float(earth.meridian_radius(np.mean(lat)))) * stretch
+    metre = np.rad2deg(1.0 / float(_core.meridian_radius(np.mean(lat)))) * stretch
     wanted = 0.2 * (east - west) / metre
     power = 10.0 ** np.floor(np.log10(wanted))
     length = max(step * power for step in (1, 2, 5) if step * power <= wanted)
