@@ -12,7 +12,7 @@ EXAMPLE = "Example: lodestar import thor75.npz --map umn_thor75.toml -o thor75.l
 
 
 def command(
-    source: Annotated[Path, typer.Argument(metavar="FILE", help="A CSV or npz file.")],
+    source: Annotated[Path, typer.Argument(metavar="FILE", help="A CSV, npz or ULog file.")],
     map_path: Annotated[
         Path,
         typer.Option(
