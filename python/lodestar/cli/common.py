@@ -20,7 +20,8 @@ ConfigOption = Annotated[
     typer.Option("--config", metavar="FILE", help="Configuration of the flight computer (TOML)."),
 ]
 OutOption = Annotated[
-    Path | None, typer.Option("--out", metavar="DIR", help="The run folder; out/NAME by default.")
+    Path | None,
+    typer.Option("--out", metavar="DIR", help="The run folder; one in out/ by default."),
 ]
 JsonOption = Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else.")]
 BusOption = Annotated[

@@ -37,10 +37,12 @@ def command(
         ),
     ] = None,
     start_s: Annotated[
-        float, typer.Option("--from", metavar="S", help="Score from this time on, s.")
+        float,
+        typer.Option("--from", metavar="S", help="Score from this time on, s.", show_default=False),
     ] = float("-inf"),
     end_s: Annotated[
-        float, typer.Option("--to", metavar="S", help="Score up to this time, s.")
+        float,
+        typer.Option("--to", metavar="S", help="Score up to this time, s.", show_default=False),
     ] = float("inf"),
     out: OutOption = None,
     as_json: JsonOption = False,
