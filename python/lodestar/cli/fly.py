@@ -19,6 +19,7 @@ from lodestar.cli.common import (
     OutOption,
     bus_url,
     fail,
+    given_or_shipped,
 )
 from lodestar.harness import LOG
 from lodestar.harness.isolation import isolated_bus
@@ -95,7 +96,7 @@ def _fly(
     from lodestar.harness.fly import fly_plan, prepare
 
     simulating = progress.add_task("simulate", total=None)
-    plan = prepare(scenario, seed, config)
+    plan = prepare(scenario, seed, given_or_shipped(config) if config else None)
     progress.remove_task(simulating)
     flying = progress.add_task(f"fly {scenario.name}", total=scenario.duration_s)
     start = time.monotonic()
