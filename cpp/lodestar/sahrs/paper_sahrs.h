@@ -9,6 +9,7 @@
 #include "lodestar/earth/cached_field.h"
 #include "lodestar/filter/gate.h"
 #include "lodestar/math/rotation.h"
+#include "lodestar/sahrs/alignment.h"
 #include "lodestar/sahrs/error_model.h"
 #include "lodestar/sahrs/parameters.h"
 #include "lodestar/sahrs/pose_history.h"
@@ -81,21 +82,33 @@ class PaperSahrs {
     Eigen::Matrix3d C_NB;
   };
 
-  bool moment_at(std::int64_t time_us, Moment& moment) const;
+  static constexpr double kLongestBridge = 0.5;       // s of silence that are bridged
+  static constexpr std::int64_t kFresh_us = 200'000;  // a sample this old still speaks of now
+
+  static double seconds_between(std::int64_t earlier_us, std::int64_t later_us) {
+    return 1e-6 * static_cast<double>(later_us - earlier_us);
+  }
+  static bool fresh(std::int64_t sample_us, std::int64_t time_us) {
+    return time_us - sample_us <= kFresh_us;
+  }
+
   void integrate(const Eigen::Vector3d& mean_omega_B, double dt);
   double vertical_acceleration() const;
-  void track_air_data(const samples::AirData& sample);
+  bool needs_alignment() const { return state_ != State::kRunning || lost_; }
   void try_alignment();
   void set_attitude(const math::Euler& attitude, const Eigen::Vector3d& sigma_B);
+  samples::AttitudeMode mode(bool certain) const;
+
+  void track_air_data(const samples::AirData& sample);
   samples::Use update_pitch(const Moment& moment);
   samples::Use update_roll(const Moment& moment, const samples::LoadFactor& sample);
-  template <int M>
-  samples::Use correct(Measurement<M>& measurement, const Moment& moment, Row first);
-  void fold_in(const Eigen::Matrix<double, kEstimated, 1>& correction);
   bool holds(bool assumption, Assumption which);
   samples::Use reject(Row row);
   double interval(Row row, std::int64_t time_us) const;
-  bool fresh(std::int64_t sample_us, std::int64_t time_us) const;
+  bool moment_at(std::int64_t time_us, Moment& moment) const;
+  template <int M>
+  samples::Use correct(Measurement<M>& measurement, const Moment& moment, Row first);
+  void fold_in(const Eigen::Matrix<double, kEstimated, 1>& correction);
 
   Parameters parameters_;
   FieldCalibration calibration_;
@@ -114,12 +127,14 @@ class PaperSahrs {
 
   // The estimate.
   State state_ = State::kWaiting;
+  bool lost_ = false;  // running, but so uncertain that an alignment is better
   Eigen::Quaterniond q_NS_ = Eigen::Quaterniond::Identity();
   Eigen::Matrix3d C_NB_ = Eigen::Matrix3d::Identity();
   Eigen::Vector3d gyro_bias_B_ = Eigen::Vector3d::Zero();
   Eigen::Vector3d field_bias_B_ = Eigen::Vector3d::Zero();
   Covariance P_;
   PoseHistory history_;
+  Alignment alignment_;
 
   // The latest of each channel, and what follows from it.
   bool have_rates_ = false;
