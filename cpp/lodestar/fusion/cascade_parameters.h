@@ -53,7 +53,7 @@ struct CascadeParameters {
   double gps_timeout = 5.0;               // s
   double reacquisition_time = 3.0;        // s
 
-  // What is known at the first frame.
+  // What is known at the first frame: set by the navigator from [initial], not by a key here.
   std::optional<double> initial_heading;               // rad
   double initial_heading_sigma = 0.1 * math::kDegree;  // rad
   std::optional<double> initial_lat;                   // rad
@@ -71,7 +71,6 @@ struct CascadeParameters {
     describe_air_data(self, visit);
     describe_height(self, visit);
     describe_acceptance(self, visit);
-    describe_start(self, visit);
   }
 
  private:
@@ -147,25 +146,6 @@ struct CascadeParameters {
     visit(self.reacquisition_time,
           {"reacquisition_time_s", "s", 0.0, 8.0,
            "Time over which fixes must agree among themselves to be believed again"});
-  }
-
-  template <class Self, class Visitor>
-  static void describe_start(Self& self, Visitor&& visit) {
-    using math::kDegree;
-    visit(self.initial_heading, {"initial_heading_deg", "deg", -180.0, 360.0,
-                                 "True heading at the first frame, as the INS had it last; it "
-                                 "starts the heading-error state",
-                                 kDegree});
-    visit(self.initial_heading_sigma,
-          {"initial_heading_sigma_deg", "deg", 0.001, 180.0, "1 sigma of it", kDegree});
-    visit(self.initial_lat,
-          {"initial_lat_deg", "deg", -89.9, 89.9,
-           "Latitude at the first frame; unset: wait for the first fix", kDegree});
-    visit(self.initial_lon,
-          {"initial_lon_deg", "deg", -180.0, 360.0,
-           "Longitude at the first frame; unset: wait for the first fix", kDegree});
-    visit(self.initial_position_sigma,
-          {"initial_position_sigma_m", "m", 0.01, 1e6, "1 sigma of that position, per axis"});
   }
 };
 

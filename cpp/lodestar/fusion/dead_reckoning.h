@@ -45,6 +45,7 @@ class DeadReckoning {
   void set_position(double lat, double lon) {
     point_.lat = within_limit(lat);
     point_.lon = lon;
+    point_.rates = earth::position_rates(point_.lat, point_.h, point_.v_air_N).head<2>();
   }
 
   void set_height(double h) { point_.h = h; }
