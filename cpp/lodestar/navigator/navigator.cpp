@@ -21,7 +21,18 @@ sahrs::PaperSahrs make_sahrs(const Config& config) {
   return sahrs;
 }
 
-fusion::Cascade make_cascade(const Config& config) { return fusion::Cascade(config.cascade); }
+fusion::Cascade make_cascade(const Config& config) {
+  fusion::CascadeParameters parameters = config.cascade;
+  const InitialParameters& initial = config.initial;
+  parameters.initial_heading = initial.heading;
+  parameters.initial_heading_sigma = initial.heading_sigma;
+  if (initial.position_sigma) {
+    parameters.initial_lat = initial.lat;
+    parameters.initial_lon = initial.lon;
+    parameters.initial_position_sigma = *initial.position_sigma;
+  }
+  return fusion::Cascade(parameters);
+}
 
 }  // namespace
 
