@@ -91,6 +91,7 @@ std::optional<Aligned> Alignment::solve(const AlignmentInput& in) const {
 
   Aligned aligned;
   aligned.sigma_B = averaged ? kStraightSigma_B : kTurningSigma_B;
+  aligned.omega_B = averaged ? turn_B_.rate() : omega_B_;
   aligned.gyro_bias_B.setZero();
   Eigen::Vector3d down_B;
   // Down needs the bias and the bias needs down. kStraight is such that each turn leaves at most

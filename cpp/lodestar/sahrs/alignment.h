@@ -26,7 +26,8 @@ struct AlignmentInput {
 struct Aligned {
   math::Euler attitude;         // rad
   Eigen::Vector3d sigma_B;      // rad, what to expect of it
-  Eigen::Vector3d gyro_bias_B;  // rad/s, of the rates that were observed
+  Eigen::Vector3d omega_B;      // rad/s, as observed
+  Eigen::Vector3d gyro_bias_B;  // rad/s, part of that
 };
 
 /// Attitude from nothing but a few seconds of vector measurements.

@@ -46,14 +46,15 @@ samples::Use PaperSahrs::update(const samples::AirData& sample) {
 }
 
 samples::Use PaperSahrs::update(const samples::LoadFactor& sample) {
-  load_ = sample;
+  load_us_ = sample.time_us;
   have_load_ = true;
-  if (needs_alignment() && have_air_ && fresh(air_.time_us, sample.time_us)) {
+  if (needs_alignment() && have_air_ && sample.time_us - air_.time_us <= kFresh_us) {
     alignment_.observe_load(sample.n_B, v_air_B_, sample.time_us);
   }
   try_alignment();
   Moment moment;
   if (!moment_at(sample.time_us, moment)) return samples::Use::kHeld;
+  climb_acceleration_ = samples::kStandardGravity * moment.C_NB.row(2).dot(sample.n_B) - gravity_;
   return update_roll(moment, sample);
 }
 
@@ -108,7 +109,7 @@ samples::Use PaperSahrs::update_roll(const Moment& moment, const samples::LoadFa
   const double flow_rate = V * std::max(std::abs(alpha_.rate()), std::abs(beta_.rate()));
   const double size = balance(in).size() / (gravity_ * in.tilt.cos_pitch);
   const bool valid =
-      holds(have_air_ && fresh(air_.time_us, sample.time_us) && V >= p.min_airspeed,
+      holds(have_air_ && sample.time_us - air_.time_us <= kFresh_us && V >= p.min_airspeed,
             Assumption::kAirspeed) &&
       holds(std::abs(airspeed_.rate()) <= p.max_speed_rate && flow_rate <= p.max_flow_rate,
             Assumption::kSteadyVelocity) &&

@@ -82,21 +82,18 @@ class PaperSahrs {
     Eigen::Matrix3d C_NB;
   };
 
-  static constexpr double kLongestBridge = 0.5;       // s of silence that are bridged
-  static constexpr std::int64_t kFresh_us = 200'000;  // a sample this old still speaks of now
+  static constexpr double kLongestBridge = 0.5;          // s of silence that are bridged
+  static constexpr std::int64_t kOldest_us = 1'000'000;  // age up to which a sample comes
+  static constexpr std::int64_t kFresh_us = 500'000;     // between samples that are used together
 
   static double seconds_between(std::int64_t earlier_us, std::int64_t later_us) {
     return 1e-6 * static_cast<double>(later_us - earlier_us);
   }
-  static bool fresh(std::int64_t sample_us, std::int64_t time_us) {
-    return time_us - sample_us <= kFresh_us;
-  }
 
-  void integrate(const Eigen::Vector3d& mean_omega_B, double dt);
-  double vertical_acceleration() const;
+  void integrate(const Eigen::Vector3d& before_B, double dt);
   bool needs_alignment() const { return state_ != State::kRunning || lost_; }
   void try_alignment();
-  void set_attitude(const math::Euler& attitude, const Eigen::Vector3d& sigma_B);
+  void set_attitude(const Eigen::Matrix3d& C_NB, const Eigen::Vector3d& sigma_B);
   samples::AttitudeMode mode(bool certain) const;
 
   void track_air_data(const samples::AirData& sample);
@@ -142,7 +139,8 @@ class PaperSahrs {
   double frame_interval_ = 0.0;
   Eigen::Vector3d omega_B_ = Eigen::Vector3d::Zero();
   bool have_load_ = false;
-  samples::LoadFactor load_;
+  std::int64_t load_us_ = 0;
+  double climb_acceleration_ = 0.0;
   bool have_field_ = false;
   std::int64_t field_us_ = 0;
   Eigen::Vector3d b_B_ = Eigen::Vector3d::Zero();
