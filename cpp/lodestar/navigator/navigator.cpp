@@ -2,7 +2,6 @@
 #include "lodestar/navigator/navigator.h"
 
 #include <algorithm>
-#include <limits>
 
 namespace lodestar::navigator {
 
@@ -134,7 +133,7 @@ void Navigator::start_over() {
   const auto restart = [](auto& input) {
     input.watch.restart();
     input.pending.clear();
-    input.applied_us = std::numeric_limits<std::int64_t>::min();
+    input.applied_us = kNever;
   };
   std::apply([&](auto&... input) { (restart(input), ...); }, inputs_);
   next_health_us_ = 0;
