@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
-#include <limits>
+#include <vector>
 
 #include "fly.h"
 
@@ -148,6 +148,28 @@ TEST_F(PaperSahrsTest, AppliesALateMeasurementAtItsOwnTime) {
   EXPECT_LT(worst, 1.0 * kDegree);  // half a second of a turn alone is 1 to 2 degrees
 }
 
+TEST_F(PaperSahrsTest, AlignsOnLateMeasurementsToo) {
+  FlightGenerator flight(2, 0.0);
+  std::vector<samples::LoadFactor> loads;
+  std::vector<samples::MagneticField> fields;
+  std::vector<samples::AirData> airs;
+  for (std::size_t k = 0; k < 60 * 19; ++k) {
+    flight.step();
+    loads.push_back(flight.load_factor());
+    fields.push_back(flight.magnetic_field());
+    airs.push_back(flight.air_data());
+    sahrs_.propagate(flight.body_rates());
+    if (k >= 48) {  // 0.8 s
+      sahrs_.update(loads[k - 48]);
+      sahrs_.update(fields[k - 48]);
+      sahrs_.update(airs[k - 48]);
+    }
+    sahrs_.finish_frame();
+  }
+  EXPECT_EQ(sahrs_.attitude().mode, AttitudeMode::kRunning);
+  EXPECT_LT(error_B(flight, sahrs_.attitude()).norm(), 1.0 * kDegree);
+}
+
 TEST_F(PaperSahrsTest, HoldsAMeasurementFromBeforeItsHistory) {
   start_at_truth();
   fly(flight_, sahrs_, 1.0);
@@ -225,6 +247,24 @@ TEST_F(PaperSahrsTest, RealignsWhenItCoastedTooLongToKnowAnything) {
   EXPECT_TRUE(sahrs_.attitude().valid);
   EXPECT_EQ(sahrs_.attitude().reset_count, 1);
   EXPECT_LT(error(), 15.0 * kDegree);
+}
+
+TEST_F(PaperSahrsTest, DoubtsAHeadingThatTheFieldContradictsAndTakesItAnew) {
+  flight_.fly_straight();
+  math::Euler wrong = flight_.truth();
+  wrong.heading = math::wrap_2pi(wrong.heading + 2.0);
+  sahrs_.start(wrong, Eigen::Vector3d::Constant(1.0 * kDegree), flight_.time_us());
+  fly(flight_, sahrs_, 9.0);
+  EXPECT_TRUE(sahrs_.attitude().valid);  // a disturbance may pass
+  EXPECT_EQ(sahrs_.attitude().rejected & 7, 7);
+  fly(flight_, sahrs_, 25.0);
+  EXPECT_FALSE(sahrs_.attitude().valid);
+  EXPECT_LT(std::abs(math::wrap_pi(sahrs_.attitude().heading - wrong.heading)), 0.1);
+  fly(flight_, sahrs_, 60.0);
+  EXPECT_TRUE(sahrs_.attitude().valid);
+  EXPECT_GE(sahrs_.attitude().reset_count, 1);
+  EXPECT_NEAR(sahrs_.attitude().reset_delta_B.norm(), 2.0, 0.3);
+  EXPECT_LT(error(), 10.0 * kDegree);
 }
 
 TEST_F(PaperSahrsTest, GatesASpikeOfTheFieldAndLeavesTheStateAlone) {

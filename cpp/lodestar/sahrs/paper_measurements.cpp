@@ -14,11 +14,15 @@
 namespace lodestar::sahrs {
 namespace {
 
-constexpr double kShortestInterval = 1e-3;  // s, between samples or frames
+constexpr double kShortestInterval = 1e-3;      // s, between samples or frames
+constexpr double kPatience = 10.0;              // s of a field that contradicts the heading
+constexpr double kDoubt = 0.5 * math::kDegree;  // rad/s, by which its sigma grows after that
+constexpr double kJump = 5.0 * math::kDegree;   // rad, a correction that users are told of
 
 }  // namespace
 
 samples::Use PaperSahrs::update(const samples::MagneticField& sample) {
+  const double dt = have_field_ ? seconds_between(field_us_, sample.time_us) : 0.0;
   b_B_ = calibration_.matrix * sample.b_B + calibration_.bias;
   field_us_ = sample.time_us;
   have_field_ = true;
@@ -31,7 +35,18 @@ samples::Use PaperSahrs::update(const samples::MagneticField& sample) {
       SlowNoise::of(p.field_drift.sigma, p.field_drift.tau, interval(kFieldNorth, sample.time_us));
   Measurement<3> m =
       field_measurement({b_B_, field_bias_B_, moment.C_NB, b_N_}, p.field_noise, drift);
-  return correct(m, moment, kFieldNorth);
+  const samples::Use use = correct(m, moment, kFieldNorth);
+  if (use == samples::Use::kGated) doubt_heading(dt);
+  return use;
+}
+
+// A field that contradicts the heading for a moment is a disturbance. If it goes on, either may be
+// wrong, and in the long run there is no other reference: sigma grows until the field is believed.
+void PaperSahrs::doubt_heading(double dt) {
+  if (interval(kFieldNorth, field_us_) < kPatience) return;
+  const Eigen::Vector3d down_B = C_NB_.row(2).transpose();
+  const double sigma = std::sqrt(down_B.dot(P_.topLeftCorner<3, 3>() * down_B));
+  P_.topLeftCorner<3, 3>() += (2.0 * sigma * kDoubt * dt) * (down_B * down_B.transpose());
 }
 
 samples::Use PaperSahrs::update(const samples::AirData& sample) {
@@ -186,6 +201,7 @@ void PaperSahrs::fold_in(const Eigen::Matrix<double, kEstimated, 1>& correction)
   gyro_bias_B_ += correction.segment<kGyroBias.size>(kGyroBias.offset);
   field_bias_B_ += correction.segment<kFieldBias.size>(kFieldBias.offset);
   ErrorModel::fold_in(P_, turn_B);
+  if (turn_B.norm() > kJump) count_reset(turn_B);
 }
 
 }  // namespace lodestar::sahrs

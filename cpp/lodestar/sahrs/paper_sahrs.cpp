@@ -105,8 +105,7 @@ void PaperSahrs::try_alignment() {
                                math::exp_so3(age * (aligned->omega_B - aligned->gyro_bias_B));
   if (state_ != State::kWaiting) {
     const Eigen::Matrix3d turn_B = C_NB_.transpose() * C_NB;
-    attitude_.reset_delta_B = math::log_quaternion(Eigen::Quaterniond(turn_B));
-    ++attitude_.reset_count;
+    count_reset(math::log_quaternion(Eigen::Quaterniond(turn_B)));
   }
   gyro_bias_B_ += aligned->gyro_bias_B;
   set_attitude(C_NB, aligned->sigma_B);
@@ -127,6 +126,11 @@ void PaperSahrs::set_attitude(const Eigen::Matrix3d& C_NB, const Eigen::Vector3d
   state_ = State::kRunning;
   lost_ = false;
   alignment_.restart();
+}
+
+void PaperSahrs::count_reset(const Eigen::Vector3d& turn_B) {
+  attitude_.reset_delta_B = turn_B;
+  ++attitude_.reset_count;
 }
 
 void PaperSahrs::finish_frame() {

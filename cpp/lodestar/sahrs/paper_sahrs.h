@@ -94,11 +94,13 @@ class PaperSahrs {
   bool needs_alignment() const { return state_ != State::kRunning || lost_; }
   void try_alignment();
   void set_attitude(const Eigen::Matrix3d& C_NB, const Eigen::Vector3d& sigma_B);
+  void count_reset(const Eigen::Vector3d& turn_B);
   samples::AttitudeMode mode(bool certain) const;
 
   void track_air_data(const samples::AirData& sample);
   samples::Use update_pitch(const Moment& moment);
   samples::Use update_roll(const Moment& moment, const samples::LoadFactor& sample);
+  void doubt_heading(double dt);
   bool holds(bool assumption, Assumption which);
   samples::Use reject(Row row);
   double interval(Row row, std::int64_t time_us) const;
