@@ -20,7 +20,7 @@ CPP_LAYERS = [
 ]
 PYTHON_LAYERS = [
     {"errors", "rotation", "messages", "_core", "__version__"},
-    {"channels", "paths"},
+    {"channels", "paths", "strict_toml"},
     {"recordings"},
     {"navigator", "simulation", "evaluation"},
     {"harness"},

@@ -49,7 +49,7 @@ class SampleRows {
       const std::string key = channel + "/" + name;
       if (!arrays.contains(name)) throw std::invalid_argument(key + ": missing");
       const auto array = py::array::ensure(arrays[name], py::array::c_style);
-      if (!array || !array.dtype().is(py::dtype::of<T>())) {
+      if (!array || !array.dtype().equal(py::dtype::of<T>())) {
         throw std::invalid_argument(key + ": type must be " +
                                     std::string(py::str(py::dtype::of<T>())));
       }

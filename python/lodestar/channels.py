@@ -84,7 +84,7 @@ class Field:
     @property
     def dtype(self) -> np.dtype[Any]:
         """The dtype in memory (native byte order)."""
-        return self.wire_dtype.newbyteorder("=")
+        return np.dtype(self.wire_dtype.type)
 
 
 @cache

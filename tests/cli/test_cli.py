@@ -3,14 +3,18 @@
 
 import json
 import os
+import shutil
 import signal
 import subprocess
 import sys
 import time
+import zipfile
+from pathlib import Path
 
 import numpy as np
 import pytest
 
+from lodestar import channels as table
 from lodestar import recordings
 from lodestar.cli.main import app, main
 
@@ -180,7 +184,13 @@ def test_without_the_flight_computer_one_line_says_so(lodestar, tmp_path, monkey
 def test_ctrl_c_keeps_what_was_recorded_and_says_so(tmp_path):
     command = [*PROGRAM, "fly", "ordinary", "--realtime"]
     process = subprocess.Popen(
-        command, cwd=tmp_path, stderr=subprocess.PIPE, text=True, start_new_session=True
+        command,
+        cwd=tmp_path,
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+        # A shell's background job has SIGINT ignored, and its children inherit that.
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
     )
     log = tmp_path / "out/ordinary/flight.lcm"
     while not log.exists() or log.stat().st_size < 100_000:
@@ -286,6 +296,29 @@ def test_doctor_says_how_to_mend_what_is_missing(lodestar, monkeypatch, tmp_path
     assert status == 1
     assert "NO  lodestar-fc" in out
     assert "mend: " in out
+
+
+def test_spy_without_a_display_says_so(lodestar, monkeypatch, tmp_path):
+    monkeypatch.setattr("lodestar.cli.spy.types_jar", lambda: tmp_path / "types.jar")
+    monkeypatch.setattr("lodestar.cli.spy.require_multicast", lambda url: None)
+    monkeypatch.delenv("DISPLAY", raising=False)
+    status, _, err = lodestar("spy")
+    assert status == 2
+    assert "no display" in one_line_error(err)
+
+
+@pytest.mark.skipif(shutil.which("javac") is None, reason="no Java compiler here")
+def test_spy_builds_its_jar_of_all_types_once(lodestar, monkeypatch, tmp_path):
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    status, out, err = lodestar("spy", "--build-only")
+    assert status == 0, err
+    jar = Path(out.strip())
+    classes = zipfile.ZipFile(jar).namelist()
+    for message in table.CHANNELS.values():
+        assert f"lodestar/{message.__name__}.class" in classes
+    built = jar.stat().st_mtime_ns
+    assert lodestar("spy", "--build-only")[1] == out
+    assert jar.stat().st_mtime_ns == built
 
 
 def test_spy_without_java_says_what_to_install(lodestar, monkeypatch, tmp_path):

@@ -176,7 +176,11 @@ def test_the_ins_takes_the_place_of_truth(tmp_path, flight):
     assert set(figures(recording, flown)) == set(TITLES)
     path = tmp_path / "report.html"
     write_report(recording, flown, path, images={})
-    assert "The reference is the INS, itself an estimate" in path.read_text(encoding="utf-8")
+    text = path.read_text(encoding="utf-8")
+    assert "The reference is the INS, itself an estimate" in text
+    # Neither limits nor published figures exist for it.
+    assert "limit rmse/max" not in text
+    assert "thesis" not in text
 
 
 def test_output_that_is_never_valid_is_no_error(tmp_path, flight):

@@ -6,6 +6,7 @@ import signal
 import subprocess
 import sys
 import time
+from collections.abc import Iterable
 from pathlib import Path
 
 import pytest
@@ -34,12 +35,16 @@ def field(time_us: int) -> magnetic_field_t:
     return message
 
 
-def fly_to_health(bus: Bus, start_us: int = 0):
-    """Send body rates for a second, not stuck; the HEALTH at its end."""
-    for time_us in range(start_us, start_us + 1_100_000, 20_000):
+def fly_to_health(bus: Bus, channel: str = "", strays: Iterable[bytes] = ()):
+    """Fly a second, with a stray before each of the first frames; the HEALTH at its end."""
+    waiting = list(strays)
+    for time_us in range(0, 1_100_000, 20_000):
+        if waiting:
+            bus.publish(channel, waiting.pop())
+        # Rates that change: the same for a second would be a stuck sensor.
         bus.publish("EFCS.RATES", rates(time_us, roll_rate=time_us * 1e-9))
         bus.wait_for("SAHRS", lambda answer, at=time_us: answer.time_us == at)
-    return bus.wait_for("HEALTH", lambda health: health.time_us >= start_us + 1_000_000)
+    return bus.wait_for("HEALTH", lambda health: health.time_us >= 1_000_000)
 
 
 def count(health, channel: str, reason: int) -> int:
@@ -132,9 +137,7 @@ def test_a_bus_that_is_none_is_refused_in_one_line():
     ids=["empty", "short", "trailing", "huge", "fingerprint", "boolean", "nan"],
 )
 def test_a_bad_datagram_is_counted_and_does_nothing_else(bus, flight_computer, damage, reason):
-    for _ in range(3):
-        bus.publish("SMDU", damage(field(10_000).encode()))
-    health = fly_to_health(bus)
+    health = fly_to_health(bus, "SMDU", [damage(field(10_000).encode())] * 3)
     assert count(health, "SMDU", reason) == 3
     assert health.received[table.INPUTS.index("SMDU")] == 3
     assert health.used[table.INPUTS.index("SMDU")] == 0

@@ -65,7 +65,7 @@ class LevelFlight {
       navigator.offer(load(next_us));
       navigator.offer(field(next_us));
       navigator.offer(air(next_us));
-      if (next_us % 1'000'000 == 0) navigator.offer(fix(next_us));
+      if (with_gps && next_us % 1'000'000 == 0) navigator.offer(fix(next_us));
       outputs.push_back(*navigator.step(rates(next_us)));
     }
   }
@@ -78,6 +78,7 @@ class LevelFlight {
   Navigator navigator;
   std::vector<Outputs> outputs;
   std::int64_t next_us = 0;
+  bool with_gps = true;
 
  private:
   std::mt19937_64 random_{1};
@@ -104,6 +105,21 @@ TEST(Navigator, FindsLevelFlightToTheNorth) {
   EXPECT_NEAR(last.sahrs.pitch, 0.0, 1.0 * math::kDegree);
   EXPECT_NEAR(math::wrap_pi(last.sahrs.heading), 0.0, 3.0 * math::kDegree);
   EXPECT_NEAR(last.nav.lat, flight.fix(60'000'000).lat, 20.0 / 6.37e6);
+}
+
+TEST(Navigator, NavigatesFromAConfiguredPositionWithoutAnyFix) {
+  Config config;
+  config.initial.position_sigma = 20.0;
+  LevelFlight flight(config);
+  LevelFlight waiting;
+  for (LevelFlight* each : {&flight, &waiting}) {
+    each->with_gps = false;
+    each->fly(30'000'000);
+  }
+  EXPECT_TRUE(flight.outputs.back().nav.valid);
+  // It starts there as soon as the attitude is valid, which takes the first seconds of the 4.5 km.
+  EXPECT_NEAR(flight.outputs.back().nav.lat, flight.fix(30'000'000).lat, 2000.0 / 6.37e6);
+  EXPECT_FALSE(waiting.outputs.back().nav.valid);
 }
 
 TEST(Navigator, HealthIsDueOnTheFirstFrameAndThenOnceASecond) {

@@ -155,7 +155,7 @@ def test_rows_that_cannot_be_are_dropped_and_said(bring_in):
     np.testing.assert_array_equal(recording["RALT"]["time_us"], [0, 100_000, 400_000])
     assert report.lines() == [
         "9 rows read",
-        "time: 1 dropped: time not finite; 2 dropped: time not later than before; "
+        "t: 1 dropped: time not finite; 2 dropped: time not later than before; "
         "1 dropped: outside start_s to end_s",
         "RALT: 3 messages; 1 dropped: height missing or not finite; "
         "1 dropped: height outside -100 to 20000 m",
@@ -185,12 +185,13 @@ def test_every_quantity_is_a_field_of_an_input_message():
     ("mapping", "complaint"),
     [
         ("[time]\ncolumn = 1\n[channels]\n", ":1: time: has column = 1, must be str"),
-        ("[time]\n[channels]\n", ":1: time: lacks column"),
+        ("[time]\n[channels]\n", ":2: channels: names no channel"),
+        ("[time]\n" + RALT, ":3: channels.RALT: lacks clock, and [time] lacks column"),
         (TIME, ": lacks the table [channels]"),
         (TIME + "unit = 'h'\n" + RALT, ":1: time: has unit = 'h'; allowed are s, ms, us, ns"),
         (TIME + "[channels.CAMERA]\n", ":3: channels.CAMERA: unknown key; allowed are EFCS.RATES,"),
         (TIME + "[channels.SAHRS]\n", ":3: channels.SAHRS: unknown key; allowed are"),
-        (TIME + RALT + "color = 1\n", ":7: channels.RALT.color: unknown key; allowed are every,"),
+        (TIME + RALT + "color = 1\n", ":7: channels.RALT.color: unknown key; allowed are clock,"),
         (TIME + RALT + "every = 0\n", ":4: channels.RALT: has every = 0, must be at least 1"),
         (
             TIME + RALT.replace("valid = { constant = true }", ""),

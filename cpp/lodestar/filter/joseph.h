@@ -26,7 +26,7 @@ class JosephUpdate {
 
   JosephUpdate(const Covariance& P, const Eigen::Matrix<double, M, N>& H,
                const Eigen::Matrix<double, M, M>& R)
-      : PHt_(P * H.transpose()), S_(H * PHt_ + R), S_inverse_(S_.inverse()) {}
+      : PHt_(P.lazyProduct(H.transpose())), S_(H.lazyProduct(PHt_) + R), S_inverse_(S_.inverse()) {}
 
   /// Covariance of the innovation.
   const Eigen::Matrix<double, M, M>& S() const { return S_; }
@@ -37,11 +37,11 @@ class JosephUpdate {
   /// Updates `P`, the one given to the constructor; answers the correction of the estimated states.
   template <int E = N>
   Eigen::Matrix<double, E, 1> apply(Covariance& P, const Innovation& nu) const {
-    const Eigen::Matrix<double, E, M> K = PHt_.template topRows<E>() * S_inverse_;
+    const Eigen::Matrix<double, E, M> K = PHt_.template topRows<E>().lazyProduct(S_inverse_);
     // Joseph's form, multiplied out: P - K T' - T K' with T = P H' - K S / 2.
     Eigen::Matrix<double, N, M> T = PHt_;
-    T.template topRows<E>() -= 0.5 * K * S_;
-    const Eigen::Matrix<double, E, N> KTt = K * T.transpose();
+    T.template topRows<E>() -= 0.5 * K.lazyProduct(S_);
+    const Eigen::Matrix<double, E, N> KTt = K.lazyProduct(T.transpose());
     const Eigen::Matrix<double, E, E> estimated = KTt.template leftCols<E>();
     P.template topLeftCorner<E, E>() -= estimated + estimated.transpose();
     if constexpr (E < N) {

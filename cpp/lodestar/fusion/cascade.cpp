@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "lodestar/earth/wgs84.h"
+#include "lodestar/fusion/uncertainty.h"
 
 namespace lodestar::fusion {
 namespace {
@@ -15,22 +16,12 @@ using samples::Use;
 
 // Beyond this the position error is handed over to dead reckoning: F is linear in it.
 constexpr double kLongestError = 200.0;  // m
-// An angle known no better than this is not known; the error model is linear.
-constexpr double kLargestAngleVariance = 1.0;  // rad^2
-constexpr double kLargestScale = 20.0;         // of sigma, when fixes contradict the filter
+// A reset beyond this starts the filter anew: what it knew of wind and heading is as doubtful.
+constexpr double kFarthest = 20e3;      // m
+constexpr double kWindResponse = 1.0;   // s, from a change of wind to its innovation
+constexpr double kLargestScale = 20.0;  // of sigma, when fixes contradict the filter
 
 double seconds(std::int64_t microseconds) { return 1e-6 * static_cast<double>(microseconds); }
-
-// d(heading, pitch, roll) / d(small rotation in B), near the vertical as at 84 degrees of pitch.
-Eigen::Matrix3d euler_by_rotation_B(const samples::Attitude& sahrs) {
-  const double sr = std::sin(sahrs.roll), cr = std::cos(sahrs.roll);
-  const double sp = std::sin(sahrs.pitch), cp = std::max(0.1, std::cos(sahrs.pitch));
-  Eigen::Matrix3d E;
-  E << 0.0, sr / cp, cr / cp,  //
-      0.0, cr, -sr,            //
-      1.0, sr * sp / cp, cr * sp / cp;
-  return E;
-}
 
 }  // namespace
 
@@ -38,10 +29,18 @@ Cascade::Cascade(const CascadeParameters& parameters)
     : parameters_(parameters),
       gate_(parameters.gps_false_rejection),
       vertical_(parameters),
-      reacquisition_(parameters.reacquisition_time, parameters.reacquisition_speed) {}
+      fix_noise_(parameters.gps_noise),
+      wind_watch_(filter::chi_square_threshold(2, parameters.wind_change_false_alarm)),
+      reacquisition_(parameters.reacquisition_time) {}
 
 Use Cascade::update(const samples::AirData& air) {
-  dead_reckoning_.set_air_velocity(air_velocity_B(air));
+  const Eigen::Vector3d v_air_B = air_velocity_B(air);
+  dead_reckoning_.set_air_velocity(v_air_B);
+  if (air_seen_) {
+    const double noise = air.true_airspeed * parameters_.beta_noise;
+    gust_meter_.add(v_air_B.y(), seconds(air.time_us - air_.time_us),
+                    noise * noise / parameters_.air_data_rate);
+  }
   air_ = air;
   air_seen_ = true;
   if (!vertical_.started() || dead_reckoning_.started()) {
@@ -61,22 +60,22 @@ void Cascade::propagate(const samples::Attitude& sahrs) {
   const TrackPoint before = dead_reckoning_.point();
   const bool first = !dead_reckoning_.started();
   if (!first && sahrs.time_us <= before.time_us) return;
-  angles_restarted_ |= !first && sahrs.reset_count != sahrs_.reset_count;
+  sahrs_restarted_ |= !first && sahrs.reset_count != sahrs_.reset_count;
   sahrs_ = sahrs;
 
   const TrackPoint& now = dead_reckoning_.advance(sahrs);
-  if (first) {
-    note_initial_heading();
-    start_where_configured();
-  } else {
+  if (!first) {
     const double dt = seconds(now.time_us - before.time_us);
     vertical_.propagate(dt, 0.5 * (before.v_air_N.z() + now.v_air_N.z()));
   }
   dead_reckoning_.set_height(vertical_.baro_height());
   track_.push(now);
-  if (started()) {
+  if (first) {
+    note_initial_heading();
+    start_where_configured();
+  } else if (started()) {
     const double elapsed = seconds(now.time_us - steps_.back().point.time_us);
-    if (angles_restarted_ || elapsed >= parameters_.step) close_step();
+    if (sahrs_restarted_ || elapsed >= parameters_.step) close_step();
   }
   refresh();
 }
@@ -95,13 +94,17 @@ Use Cascade::update(const samples::GpsFix& fix) {
   Step step = step_at(*at, before);
   const bool passes = compare(fix, step);
   const bool at_once = passes && (!ever_aided_ || fresh(fix.time_us));
-  if (!at_once && !reacquisition_.examine(fix.time_us, innovation_, fix_sigma(fix))) {
+  if (!at_once && !reacquisition_.examine(fix.time_us, innovation_, std::sqrt(noise_))) {
     refresh();
     return passes ? Use::kHeld : Use::kGated;
   }
-  if (!passes) yield_to_fixes(step.estimate, *at);
-  reacquisition_.cancel();
-  correct(fix, step, before, !at_once);
+  if (at_once) {
+    watch_wind(fix, step.estimate);
+    reacquisition_.cancel();
+    correct(fix, step, before);
+  } else {
+    reset(fix, step, before, passes);
+  }
   return Use::kUsed;
 }
 
@@ -109,22 +112,50 @@ Use Cascade::update(const samples::GpsFix& fix) {
 Step Cascade::step_at(const TrackPoint& at, int before) const {
   const Step& last = steps_[before];
   Step step{at, steps_[std::min(before + 1, steps_.size() - 1)].conditions, last.estimate};
-  step.conditions.angles_restarted = false;  // that comes at the end of the step, if it does
+  step.conditions.sahrs_restarted = false;  // that comes at the end of the step, if it does
   step.estimate.propagate(parameters_, step.conditions, last.point, at);
   return step;
 }
 
-/// Sets the innovation; true if it passes the gate.
+/// Sets the innovation and the noise of the fix; true if it passes the gate.
 bool Cascade::compare(const samples::GpsFix& fix, const Step& step) {
   const PositionMatrix H = position_measurement();
   const earth::Geodetic fix_position{fix.lat, fix.lon, step.point.h};
-  const Eigen::Vector3d offset_N = earth::displacement_N(step.point.position(), fix_position);
-  innovation_ = offset_N.head<2>() - H * step.estimate.x;
-  const double sigma = fix_sigma(fix);
-  const Eigen::Matrix2d S =
-      step.estimate.P.projected(H) + sigma * sigma * Eigen::Matrix2d::Identity();
+  offset_ = earth::displacement_N(step.point.position(), fix_position).head<2>();
+  noise_ = fix_noise_.variance(fix.sigma_horizontal);
+  innovation_ = offset_ - H * step.estimate.x;
+  const Eigen::Matrix2d S = step.estimate.P.projected(H) + noise_ * Eigen::Matrix2d::Identity();
   innovation_sigma_ = S.diagonal().cwiseSqrt();
   return gate_.passes(innovation_.dot(S.inverse() * innovation_), 2);
+}
+
+/// Innovations that all point one way are a wind that has changed: it is made as unknown as they
+/// are long.
+void Cascade::watch_wind(const samples::GpsFix& fix, ErrorEstimate& estimate) {
+  const double dt = ever_aided_ ? seconds(fix.time_us - aided_us_) : 0.0;
+  const Eigen::Vector2d normalised = innovation_.cwiseQuotient(innovation_sigma_);
+  if (!wind_watch_.changed(normalised, dt)) return;
+  estimate.doubt_wind(innovation_.norm() / kWindResponse);
+}
+
+/// Takes in a fix that examination has found to be believed, and says by how much that moves the
+/// position.
+void Cascade::reset(const samples::GpsFix& fix, Step& step, int before, bool passes) {
+  const Eigen::Vector2d innovation = innovation_;
+  const Eigen::Vector2d error_before = steps_.back().estimate.position_error();
+  const Eigen::Vector2d anchored_before = anchored_;
+  if (innovation.norm() > kFarthest) {
+    start_at_fix(fix, step.point);
+    navigation_.reset_delta = innovation;
+  } else {
+    if (!passes) yield_to_fixes(step.estimate, step.point);
+    correct(fix, step, before);
+    navigation_.reset_delta =
+        steps_.back().estimate.position_error() - error_before + anchored_ - anchored_before;
+  }
+  ++navigation_.reset_count;
+  reacquisition_.cancel();
+  wind_watch_.restart();
 }
 
 /// Fixes that agree among themselves contradict the filter: it is told to doubt itself as much as
@@ -137,19 +168,14 @@ void Cascade::yield_to_fixes(ErrorEstimate& estimate, const TrackPoint& at) cons
 }
 
 /// Takes the fix in at its own time and does the later steps again.
-void Cascade::correct(const samples::GpsFix& fix, Step& step, int before, bool reset) {
-  const Eigen::Vector2d error_before = steps_.back().estimate.position_error();
-  const double sigma = fix_sigma(fix);
-  step.estimate.x += step.estimate.P.update(position_measurement(), sigma * sigma, innovation_);
+void Cascade::correct(const samples::GpsFix& fix, Step& step, int before) {
+  step.estimate.x += step.estimate.P.update(position_measurement(), noise_, innovation_);
   for (int i = steps_.insert(before + 1, step) + 1; i < steps_.size(); ++i) {
     steps_[i].estimate = steps_[i - 1].estimate;
     steps_[i].estimate.propagate(parameters_, steps_[i].conditions, steps_[i - 1].point,
                                  steps_[i].point);
   }
-  if (reset) {
-    ++navigation_.reset_count;
-    navigation_.reset_delta = steps_.back().estimate.position_error() - error_before;
-  }
+  fix_noise_.add(fix.time_us, offset_ + anchored_, fix.sigma_horizontal);
   note_aided(fix, step.point);
   anchor();
   refresh_sigma();
@@ -166,14 +192,6 @@ bool Cascade::fresh(std::int64_t time_us) const {
   return ever_aided_ && seconds(time_us - aided_us_) <= parameters_.gps_timeout;
 }
 
-/// White noise of a fix (m, per axis): what the receiver states beyond the slow error, which is a
-/// state, and no less than configured.
-double Cascade::fix_sigma(const samples::GpsFix& fix) const {
-  const double slow = parameters_.gps_error.sigma;
-  const double stated = fix.sigma_horizontal * fix.sigma_horizontal - slow * slow;
-  return std::sqrt(std::max(parameters_.gps_noise * parameters_.gps_noise, stated));
-}
-
 void Cascade::start_at_fix(const samples::GpsFix& fix, const TrackPoint& at) {
   const TrackPoint& now = dead_reckoning_.point();
   const Eigen::Vector3d flown_N = earth::displacement_N(at.position(), now.position());
@@ -181,7 +199,7 @@ void Cascade::start_at_fix(const samples::GpsFix& fix, const TrackPoint& at) {
   const double age = seconds(now.time_us - at.time_us);
   // The fix's slow error is now the position's, with the opposite sign.
   const double slow = parameters_.gps_error.sigma * parameters_.gps_error.sigma;
-  const double noise = fix_sigma(fix) * fix_sigma(fix);
+  const double noise = fix_noise_.variance(fix.sigma_horizontal);
   const double drift = parameters_.wind.sigma * age;
   ErrorEstimate estimate = initial_estimate(slow + noise + drift * drift, -slow);
   note_aided(fix, at);
@@ -196,6 +214,7 @@ void Cascade::start_where_configured() {
 
 void Cascade::start(double lat, double lon, const ErrorEstimate& estimate) {
   dead_reckoning_.set_position(lat, lon);
+  steps_.clear();
   track_.clear();
   track_.push(dead_reckoning_.point());
   steps_.push({dead_reckoning_.point(), conditions(), estimate});
@@ -218,14 +237,15 @@ ErrorEstimate Cascade::initial_estimate(double position_variance, double gps_cov
   P.diagonal().segment<2>(kPositionError.offset).setConstant(position_variance);
   P.diagonal().segment<2>(kGpsError.offset).setConstant(gps_variance);
   P.diagonal().segment<2>(kWind.offset).setConstant(wind_variance);
-  P.diagonal().segment<3>(kHeadingError.offset) = angle_variance();
+  const Eigen::Vector3d angles = angle_variance(parameters_, sahrs_);
+  P.diagonal().segment<3>(kHeadingError.offset) = angles;
   for (int axis = 0; axis < 2; ++axis) {
     const int position = kPositionError.offset + axis;
     const int gps = kGpsError.offset + axis;
     P(position, gps) = P(gps, position) = gps_covariance;
   }
   if (parameters_.initial_heading) {
-    const math::GaussMarkov& model = parameters_.heading_error;
+    const math::GaussMarkov model{std::sqrt(angles(0)), parameters_.heading_error.tau};
     const double dt = seconds(sahrs_.time_us - first_us_);
     const double sigma = parameters_.initial_heading_sigma * model.decay(dt);
     x(kHeadingError.offset) = first_heading_error_ * model.decay(dt);
@@ -234,18 +254,10 @@ ErrorEstimate Cascade::initial_estimate(double position_variance, double gps_cov
   return {x, ErrorCovariance(parameters_.covariance, P)};
 }
 
-/// Stationary variances of the angle errors (rad^2): what SAHRS says of itself, or the floor.
-Eigen::Vector3d Cascade::angle_variance() const {
-  const Eigen::Matrix3d E = euler_by_rotation_B(sahrs_);
-  const Eigen::Vector3d stated = (E * sahrs_.P_B * E.transpose()).diagonal();
-  const Eigen::Vector3d floor(parameters_.heading_error.sigma, parameters_.pitch_error.sigma,
-                              parameters_.roll_error.sigma);
-  return stated.cwiseMax(floor.cwiseAbs2()).cwiseMin(kLargestAngleVariance);
-}
-
 StepConditions Cascade::conditions() const {
   const double silence = seconds(sahrs_.time_us - air_.time_us);
-  return {angle_variance(), silence > parameters_.air_data_timeout, angles_restarted_};
+  return {angle_variance(parameters_, sahrs_), gust_meter_.density(),
+          silence > parameters_.air_data_timeout, sahrs_restarted_};
 }
 
 void Cascade::close_step() {
@@ -253,7 +265,7 @@ void Cascade::close_step() {
   Step step{dead_reckoning_.point(), conditions(), last.estimate};
   step.estimate.propagate(parameters_, step.conditions, last.point, step.point);
   steps_.push(step);
-  angles_restarted_ = false;
+  sahrs_restarted_ = false;
   anchor();
   refresh_sigma();
 }
@@ -267,6 +279,7 @@ void Cascade::anchor() {
   const earth::Geodetic to = earth::displaced(from.position(), {error.x(), error.y(), 0.0});
   const double d_lat = to.lat - from.lat;
   const double d_lon = math::wrap_pi(to.lon - from.lon);
+  anchored_ += error;
   dead_reckoning_.set_position(to.lat, from.lon + d_lon);
   track_.shift(d_lat, d_lon);
   for (int i = 0; i < steps_.size(); ++i) {
@@ -313,35 +326,13 @@ void Cascade::refresh() {
 
 /// Once per step: sigma hardly changes within one.
 void Cascade::refresh_sigma() {
-  const TrackPoint& now = dead_reckoning_.point();
-  const ErrorEstimate& estimate = steps_.back().estimate;
-  const StateMatrix P = estimate.P.matrix();
-  const Eigen::Vector3d air_noise(parameters_.alpha_noise, parameters_.beta_noise,
-                                  parameters_.airspeed_noise);
-  const Eigen::Matrix3d C_NB = math::C_NB_from_euler(now.attitude);
-  const Eigen::Matrix3d noise_N = C_NB * velocity_by_air_data(now.v_air_B) * air_noise.asDiagonal();
-  const Eigen::Vector3d noise_variance = noise_N.rowwise().squaredNorm();
-
-  const double sigma_h = vertical_.sigma_height();
-  const Eigen::Vector2d position_variance = P.diagonal().segment<2>(kPositionError.offset);
-  navigation_.sigma_position << position_variance.cwiseSqrt(), sigma_h;
-
-  const PositionMatrix J = velocity_by_states(now, estimate.x);
-  const Eigen::Vector2d velocity_variance = (J * P * J.transpose()).diagonal();
-  const double climb_variance = std::pow(vertical_.sigma_climb_correction(), 2);
-  Eigen::Vector3d variance;
-  variance << velocity_variance, climb_variance;
-  navigation_.sigma_velocity = (variance + noise_variance).cwiseSqrt();
-
-  const double beta_bias = parameters_.beta_bias;
-  navigation_.sigma_attitude << std::sqrt(P(kRollError.offset, kRollError.offset)),
-      std::sqrt(P(kPitchError.offset, kPitchError.offset)),
-      std::sqrt(P(kHeadingError.offset, kHeadingError.offset) + beta_bias * beta_bias);
-  // An error of airspeed is wind along the flight path, until the aircraft turns.
-  const Eigen::Vector2d along =
-      now.v_air_N.head<2>() * (parameters_.airspeed_bias / std::max(1.0, now.v_air_N.norm()));
-  const Eigen::Vector2d wind_variance = P.diagonal().segment<2>(kWind.offset);
-  navigation_.sigma_wind = (wind_variance + along.cwiseAbs2()).cwiseSqrt();
+  const Step& last = steps_.back();
+  state_sigma(parameters_, last.point, last.estimate, last.conditions, gust_meter_.variance(),
+              navigation_);
+  const double alpha_velocity = air_.true_airspeed * parameters_.alpha_noise;
+  navigation_.sigma_velocity.z() = std::sqrt(
+      vertical_.climb_variance() + alpha_velocity * alpha_velocity + gust_meter_.variance());
+  navigation_.sigma_position.z() = vertical_.sigma_height();
 }
 
 FusionMode Cascade::mode() const {

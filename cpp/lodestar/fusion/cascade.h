@@ -8,10 +8,13 @@
 #include "lodestar/fusion/cascade_parameters.h"
 #include "lodestar/fusion/dead_reckoning.h"
 #include "lodestar/fusion/error_filter.h"
+#include "lodestar/fusion/fix_noise.h"
+#include "lodestar/fusion/gust_meter.h"
 #include "lodestar/fusion/reacquisition.h"
 #include "lodestar/fusion/step_history.h"
 #include "lodestar/fusion/track_history.h"
 #include "lodestar/fusion/vertical_channel.h"
+#include "lodestar/fusion/wind_watch.h"
 #include "lodestar/samples/outputs.h"
 #include "lodestar/samples/samples.h"
 #include "lodestar/samples/use.h"
@@ -47,8 +50,6 @@ class Cascade {
  private:
   bool started() const { return !steps_.empty(); }
   bool fresh(std::int64_t time_us) const;
-  double fix_sigma(const samples::GpsFix& fix) const;
-  Eigen::Vector3d angle_variance() const;
   StepConditions conditions() const;
 
   void note_initial_heading();
@@ -61,8 +62,10 @@ class Cascade {
   void anchor();
   Step step_at(const TrackPoint& at, int before) const;
   bool compare(const samples::GpsFix& fix, const Step& step);
+  void watch_wind(const samples::GpsFix& fix, ErrorEstimate& estimate);
   void yield_to_fixes(ErrorEstimate& estimate, const TrackPoint& at) const;
-  void correct(const samples::GpsFix& fix, Step& step, int before, bool reset);
+  void correct(const samples::GpsFix& fix, Step& step, int before);
+  void reset(const samples::GpsFix& fix, Step& step, int before, bool passes);
   void note_aided(const samples::GpsFix& fix, const TrackPoint& at);
 
   void refresh();
@@ -76,15 +79,21 @@ class Cascade {
   VerticalChannel vertical_;
   TrackHistory track_;
   StepHistory steps_;
+  GustMeter gust_meter_;
+  FixNoise fix_noise_;
+  WindWatch wind_watch_;
   Reacquisition reacquisition_;
   samples::Attitude sahrs_;
   samples::AirData air_;
   bool air_seen_ = false;
   bool ever_aided_ = false;
-  bool angles_restarted_ = false;
+  bool sahrs_restarted_ = false;
   std::int64_t aided_us_ = 0;  // time of the last fix that was used
   std::int64_t first_us_ = 0;  // time of the first frame
   double first_heading_error_ = 0.0;
+  Eigen::Vector2d anchored_ = Eigen::Vector2d::Zero();  // m, moved into dead reckoning so far
+  Eigen::Vector2d offset_ = Eigen::Vector2d::Zero();    // m, latest fix from dead reckoning
+  double noise_ = 0.0;                                  // m^2, of the latest fix, per axis
   Eigen::Vector2d innovation_ = Eigen::Vector2d::Zero();
   Eigen::Vector2d innovation_sigma_ = Eigen::Vector2d::Zero();
   samples::Navigation navigation_;

@@ -23,11 +23,11 @@ struct CascadeParameters {
   double step = 0.1;  // s
 
   // Errors of SAHRS; the levels are floors under what SAHRS says of itself.
-  math::GaussMarkov heading_error{1.5 * math::kDegree, 100.0};
+  math::GaussMarkov heading_error{0.5 * math::kDegree, 100.0};
   math::GaussMarkov pitch_error{0.4 * math::kDegree, 30.0};
   math::GaussMarkov roll_error{0.6 * math::kDegree, 10.0};
 
-  math::GaussMarkov wind{5.0, 400.0};       // m/s, s
+  math::GaussMarkov wind{7.0, 4000.0};      // m/s, s
   math::GaussMarkov gps_error{5.0, 150.0};  // m, s
   double gps_noise = 1.0;                   // m
 
@@ -45,15 +45,15 @@ struct CascadeParameters {
   math::GaussMarkov baro_bias{20.0, 1000.0};         // m, s
   double baro_noise = 0.5;                           // m
   double baro_lag = 0.3;                             // s
-  math::GaussMarkov vertical_rate_error{2.0, 10.0};  // m/s, s
+  math::GaussMarkov vertical_rate_error{1.2, 10.0};  // m/s, s
 
   // Acceptance of GPS.
-  double gps_false_rejection = 1e-5;  // -
-  double gps_timeout = 5.0;           // s
-  double reacquisition_time = 3.0;    // s
-  double reacquisition_speed = 30.0;  // m/s
+  double gps_false_rejection = 1e-5;      // -
+  double wind_change_false_alarm = 3e-3;  // -
+  double gps_timeout = 5.0;               // s
+  double reacquisition_time = 3.0;        // s
 
-  // What is known at the first frame.
+  // What is known at the first frame: set by the navigator from [initial], not by a key here.
   std::optional<double> initial_heading;               // rad
   double initial_heading_sigma = 0.1 * math::kDegree;  // rad
   std::optional<double> initial_lat;                   // rad
@@ -71,7 +71,6 @@ struct CascadeParameters {
     describe_air_data(self, visit);
     describe_height(self, visit);
     describe_acceptance(self, visit);
-    describe_start(self, visit);
   }
 
  private:
@@ -139,32 +138,14 @@ struct CascadeParameters {
   static void describe_acceptance(Self& self, Visitor&& visit) {
     visit(self.gps_false_rejection,
           {"gps_false_rejection", "-", 1e-12, 0.1, "Probability that the gate refuses a good fix"});
+    visit(self.wind_change_false_alarm,
+          {"wind_change_false_alarm", "-", 1e-12, 0.5,
+           "Probability, per fix, that a steady wind is taken for a changed one"});
     visit(self.gps_timeout,
           {"gps_timeout_s", "s", 0.5, 60.0, "Time without a used fix that makes GPS lost"});
     visit(self.reacquisition_time,
           {"reacquisition_time_s", "s", 0.0, 8.0,
            "Time over which fixes must agree among themselves to be believed again"});
-    visit(self.reacquisition_speed, {"reacquisition_speed_m_s", "m/s", 0.1, 500.0,
-                                     "Most that such fixes may move against dead reckoning"});
-  }
-
-  template <class Self, class Visitor>
-  static void describe_start(Self& self, Visitor&& visit) {
-    using math::kDegree;
-    visit(self.initial_heading, {"initial_heading_deg", "deg", -180.0, 360.0,
-                                 "True heading at the first frame, as the INS had it last; it "
-                                 "starts the heading-error state",
-                                 kDegree});
-    visit(self.initial_heading_sigma,
-          {"initial_heading_sigma_deg", "deg", 0.001, 180.0, "1 sigma of it", kDegree});
-    visit(self.initial_lat,
-          {"initial_lat_deg", "deg", -89.9, 89.9,
-           "Latitude at the first frame; unset: wait for the first fix", kDegree});
-    visit(self.initial_lon,
-          {"initial_lon_deg", "deg", -180.0, 360.0,
-           "Longitude at the first frame; unset: wait for the first fix", kDegree});
-    visit(self.initial_position_sigma,
-          {"initial_position_sigma_m", "m", 0.01, 1e6, "1 sigma of that position, per axis"});
   }
 };
 

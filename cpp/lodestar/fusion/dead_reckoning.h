@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 
@@ -34,15 +35,17 @@ struct TrackPoint {
 };
 
 /// Position from SAHRS attitude and air data, in still air: v_N = C_NB v_air_B, integrated over the
-/// WGS84 radii by the trapezoidal rule (the exact form of Linköping thesis eq. 5.1-5.2).
+/// WGS84 radii by the trapezoidal rule (the exact form of Linköping thesis eq. 5.1-5.2). Not within
+/// 11 km of the poles, where there is no north to fly by: the track stops there.
 class DeadReckoning {
  public:
   /// Air data hold until the next come.
   void set_air_velocity(const Eigen::Vector3d& v_air_B) { v_air_B_ = v_air_B; }
 
   void set_position(double lat, double lon) {
-    point_.lat = lat;
+    point_.lat = within_limit(lat);
     point_.lon = lon;
+    point_.rates = earth::position_rates(point_.lat, point_.h, point_.v_air_N).head<2>();
   }
 
   void set_height(double h) { point_.h = h; }
@@ -55,9 +58,9 @@ class DeadReckoning {
     point_.attitude = {sahrs.roll, sahrs.pitch, sahrs.heading};
     point_.v_air_B = v_air_B_;
     point_.v_air_N = sahrs.q_NB * v_air_B_;
-    const double lat_ahead = point_.lat + before.x() * dt;
+    const double lat_ahead = within_limit(point_.lat + before.x() * dt);
     point_.rates = earth::position_rates(lat_ahead, point_.h, point_.v_air_N).head<2>();
-    point_.lat += 0.5 * (before.x() + point_.rates.x()) * dt;
+    point_.lat = within_limit(point_.lat + 0.5 * (before.x() + point_.rates.x()) * dt);
     point_.lon += 0.5 * (before.y() + point_.rates.y()) * dt;
     started_ = true;
     return point_;
@@ -67,6 +70,12 @@ class DeadReckoning {
   const TrackPoint& point() const { return point_; }
 
  private:
+  static constexpr double kLargestLatitude = 89.9 * math::kDegree;
+
+  static double within_limit(double lat) {
+    return std::clamp(lat, -kLargestLatitude, kLargestLatitude);
+  }
+
   TrackPoint point_;
   Eigen::Vector3d v_air_B_ = Eigen::Vector3d::Zero();
   bool started_ = false;

@@ -19,7 +19,7 @@ NoiseVector noise_densities(const CascadeParameters& p, const StepConditions& co
   q.segment<3>(kAirDataNoise.offset) = air_data.cwiseAbs2() / p.air_data_rate;
   const double gap = std::max(0.0, dt - p.step);
   const double unseen = 0.5 * kUnseenAcceleration * gap * gap;
-  q.segment<2>(kTrackNoise.offset).setConstant(unseen * unseen / dt);
+  q.segment<2>(kTrackNoise.offset).setConstant(unseen * unseen / dt + conditions.gust_density);
   q.segment<2>(kGpsNoise.offset).setConstant(p.gps_error.spectral_density());
   const double lost = conditions.air_data_lost ? p.air_data_lost_noise : 0.0;
   q.segment<2>(kWindNoise.offset).setConstant(p.wind.spectral_density() + lost * lost);
@@ -99,16 +99,22 @@ void ErrorEstimate::propagate(const CascadeParameters& parameters, const StepCon
     x.segment<2>(kPositionError.offset) = before.segment<2>(kPositionError.offset) + dt * rate;
   }
   P.propagate(F, G, noise_densities(parameters, conditions, dt), dt);
-  if (conditions.angles_restarted) restart_angles(conditions.angle_variance);
+  if (conditions.sahrs_restarted) restart_angles(conditions.angle_variance);
 }
 
 void ErrorEstimate::restart_angles(const Eigen::Vector3d& variance) {
+  x.segment<3>(kHeadingError.offset).setZero();
   StateMatrix covariance = P.matrix();
   covariance.middleRows<3>(kHeadingError.offset).setZero();
   covariance.middleCols<3>(kHeadingError.offset).setZero();
   covariance.diagonal().segment<3>(kHeadingError.offset) = variance;
   P.assign(covariance);
-  x.segment<3>(kHeadingError.offset).setZero();
+}
+
+void ErrorEstimate::doubt_wind(double sigma) {
+  StateMatrix covariance = P.matrix();
+  covariance.diagonal().segment<2>(kWind.offset).array() += sigma * sigma;
+  P.assign(covariance);
 }
 
 void ErrorEstimate::loosen(const Eigen::Vector2d& position_sigma, double scale) {

@@ -31,9 +31,10 @@ class ErrorCovariance {
 
 /// What the model of one step takes from outside.
 struct StepConditions {
-  Eigen::Vector3d angle_variance;  // rad^2, stationary: heading, pitch, roll
+  Eigen::Vector3d angle_variance = Eigen::Vector3d::Zero();  // rad^2, heading, pitch, roll
+  double gust_density = 0.0;                                 // (m/s)^2 s, per axis
   bool air_data_lost = false;
-  bool angles_restarted = false;  // SAHRS started anew during the step
+  bool sahrs_restarted = false;  // its errors are new ones at the end of the step
 };
 
 /// The estimated errors and their covariance at one time.
@@ -47,6 +48,9 @@ struct ErrorEstimate {
 
   Eigen::Vector2d position_error() const { return x.segment<2>(kPositionError.offset); }
   Eigen::Vector2d wind() const { return x.segment<2>(kWind.offset); }
+
+  /// Makes the wind unknown by `sigma` (m/s, per axis) more than it was.
+  void doubt_wind(double sigma);
 
   /// Makes the position unknown by `position_sigma` (m, per axis) more than it was, and scales what
   /// is unknown of wind and angles by `scale` in sigma.

@@ -2,48 +2,69 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cmath>
 #include <cstdint>
+
+#include "lodestar/fusion/fix_line.h"
 
 namespace lodestar::fusion {
 
 /// Examines fixes that the filter may not take as they come: after an outage, or beyond the gate.
-/// Fixes that agree among themselves for long enough are believed, whatever the filter says, so
-/// that a wrong filter can not lock GPS out; fixes that contradict each other are not.
+/// Fixes that agree among themselves for long enough, on one line as seen from the coasting filter,
+/// are believed whatever the filter says, so that a wrong filter can not lock GPS out; fixes that
+/// scatter are not.
 class Reacquisition {
  public:
-  /// Seconds of agreement that it takes, and the most (m/s) that offsets may change at first.
-  Reacquisition(double duration, double speed) : duration_(duration), speed_(speed) {}
+  /// `duration`: seconds of agreement that it takes.
+  explicit Reacquisition(double duration) : duration_(duration) {}
 
   bool running() const { return count_ > 0; }
-  /// The fixes that were under examination stopped coming.
-  bool stale(std::int64_t now_us) const {
-    return running() && now_us - time_us_ > static_cast<std::int64_t>(1e6 * kLongestPause);
-  }
   void cancel() { count_ = 0; }
 
-  /// Takes the next fix by its `offset` (m, north, east) from the coasting filter; a fix alone is
-  /// known to `sigma` (m, per axis). True once the fixes are to be believed.
-  bool examine(std::int64_t time_us, const Eigen::Vector2d& offset, double sigma);
+  /// Takes the next fix by its `offset` (m, north, east) from the filter; one fix alone is known to
+  /// `sigma` (m, per axis). True once the fixes are to be believed.
+  bool examine(std::int64_t time_us, const Eigen::Vector2d& offset, double sigma) {
+    if (count_ > 0 && agrees(time_us, offset, sigma)) {
+      ++count_;
+    } else {
+      line_.restart();
+      count_ = 1;
+      first_time_us_ = time_us;
+      first_offset_ = offset;
+    }
+    line_.push(time_us, offset);
+    drift_.setZero();
+    const double span = 1e-6 * static_cast<double>(time_us - first_time_us_);
+    if (span > 0.0) drift_ = (offset - first_offset_) / span;
+    return count_ >= kFewest && span >= duration_;
+  }
 
   /// Velocity (m/s) at which the examined fixes leave the filter.
-  Eigen::Vector2d drift() const;
+  const Eigen::Vector2d& drift() const { return drift_; }
+
+  /// The fixes under examination stopped coming.
+  bool stale(std::int64_t now_us) const {
+    return running() &&
+           static_cast<double>(now_us - line_.time_us()) > 1e6 * FixLine::kLongestPause;
+  }
 
  private:
   static constexpr int kFewest = 3;
-  static constexpr double kLongestPause = 3.0;  // s
-  static constexpr double kTolerance = 5.0;     // sigma
+  static constexpr double kTolerance = 5.0;  // sigma
 
-  bool agrees(double dt, const Eigen::Vector2d& offset, double sigma) const;
+  bool agrees(std::int64_t time_us, const Eigen::Vector2d& offset, double sigma) const {
+    if (!line_.continues(time_us)) return false;
+    if (line_.size() < 2) return true;  // any two make a line
+    const FixLine::Residual residual = line_.residual(time_us, offset);
+    return residual.value.norm() <= kTolerance * sigma * std::sqrt(residual.noise_gain);
+  }
 
   double duration_;
-  double speed_;
   int count_ = 0;
   std::int64_t first_time_us_ = 0;
-  std::int64_t time_us_ = 0;
   Eigen::Vector2d first_offset_ = Eigen::Vector2d::Zero();
-  Eigen::Vector2d offset_ = Eigen::Vector2d::Zero();
-  Eigen::Vector2d slope_ = Eigen::Vector2d::Zero();
-  double spacing_ = 0.0;  // s, between the last two
+  Eigen::Vector2d drift_ = Eigen::Vector2d::Zero();
+  FixLine line_;
 };
 
 }  // namespace lodestar::fusion

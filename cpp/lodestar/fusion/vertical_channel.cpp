@@ -67,6 +67,4 @@ void VerticalChannel::update_gps(double above_baro, double sigma) {
 
 double VerticalChannel::sigma_height() const { return std::sqrt(P_climb_(0, 0) + P_bias_(0, 0)); }
 
-double VerticalChannel::sigma_climb_correction() const { return std::sqrt(P_climb_(1, 1)); }
-
 }  // namespace lodestar::fusion

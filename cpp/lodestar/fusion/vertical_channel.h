@@ -31,11 +31,11 @@ class VerticalChannel {
   /// the receiver states.
   void update_gps(double above_baro, double sigma);
 
-  double baro_height() const { return climb_(0); }       // m
-  double bias() const { return bias_(0); }               // m
-  double climb_correction() const { return climb_(1); }  // m/s, up
-  double sigma_height() const;                           // m
-  double sigma_climb_correction() const;                 // m/s
+  double baro_height() const { return climb_(0); }          // m
+  double bias() const { return bias_(0); }                  // m
+  double climb_correction() const { return climb_(1); }     // m/s, up
+  double sigma_height() const;                              // m
+  double climb_variance() const { return P_climb_(1, 1); }  // (m/s)^2, of the correction
 
  private:
   static constexpr int kPatience = 3;  // refused heights in a row before the bias starts anew

@@ -35,6 +35,7 @@ struct InitialParameters {
   double lat = 57.5 * math::kDegree;            // rad
   double lon = 16.0 * math::kDegree;            // rad
   double h = 0.0;                               // m
+  std::optional<double> position_sigma;         // m
   std::optional<double> roll;                   // rad
   std::optional<double> pitch;                  // rad
   std::optional<double> heading;                // rad
@@ -50,6 +51,9 @@ struct InitialParameters {
                      "Longitude until the first GPS fix, for the geomagnetic model", kDegree});
     visit(self.h,
           {"h_m", "m", -1000.0, 40e3, "Height until the first GPS fix, for the geomagnetic model"});
+    visit(self.position_sigma,
+          {"position_sigma_m", "m", 0.01, 1e6,
+           "1 sigma of that position per axis; unset: navigation waits for the first fix"});
     visit(self.roll,
           {"roll_deg", "deg", -180.0, 180.0,
            "Roll at the start; with pitch and heading it replaces the alignment", kDegree});

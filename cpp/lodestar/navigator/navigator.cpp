@@ -2,7 +2,6 @@
 #include "lodestar/navigator/navigator.h"
 
 #include <algorithm>
-#include <limits>
 
 namespace lodestar::navigator {
 
@@ -21,7 +20,18 @@ sahrs::PaperSahrs make_sahrs(const Config& config) {
   return sahrs;
 }
 
-fusion::Cascade make_cascade(const Config& config) { return fusion::Cascade(config.cascade); }
+fusion::Cascade make_cascade(const Config& config) {
+  fusion::CascadeParameters parameters = config.cascade;
+  const InitialParameters& initial = config.initial;
+  parameters.initial_heading = initial.heading;
+  parameters.initial_heading_sigma = initial.heading_sigma;
+  if (initial.position_sigma) {
+    parameters.initial_lat = initial.lat;
+    parameters.initial_lon = initial.lon;
+    parameters.initial_position_sigma = *initial.position_sigma;
+  }
+  return fusion::Cascade(parameters);
+}
 
 }  // namespace
 
@@ -123,7 +133,7 @@ void Navigator::start_over() {
   const auto restart = [](auto& input) {
     input.watch.restart();
     input.pending.clear();
-    input.applied_us = std::numeric_limits<std::int64_t>::min();
+    input.applied_us = kNever;
   };
   std::apply([&](auto&... input) { (restart(input), ...); }, inputs_);
   next_health_us_ = 0;

@@ -26,6 +26,17 @@ double turn_noise(double sigma, double rate) {
   return sigma * sigma * kManoeuvre * rate * rate / (std::abs(rate) + kRateFloor);
 }
 
+using AttitudeRows = Eigen::Matrix<double, kAttitude.size, kStates>;
+
+/// Puts `rows` into P as the rows and columns of the attitude, `attitude` where they cross, made
+/// symmetric to the last bit.
+void set_attitude_rows(Covariance& P, const AttitudeRows& rows, const Eigen::Matrix3d& attitude) {
+  constexpr int kRest = kStates - kAttitude.size;
+  P.topLeftCorner<3, 3>() = 0.5 * (attitude + attitude.transpose());
+  P.topRightCorner<3, kRest>() = rows.rightCols<kRest>();
+  P.bottomLeftCorner<kRest, 3>() = P.topRightCorner<3, kRest>().transpose();
+}
+
 void decay(Covariance& P, math::Block block, double factor) {
   P.middleRows<3>(block.offset) *= factor;
   P.middleCols<3>(block.offset) *= factor;
@@ -50,21 +61,27 @@ void ErrorModel::restart_attitude(Covariance& P, const Eigen::Vector3d& attitude
   diagonal_block(P, kAttitude).diagonal() = attitude_sigma_B.cwiseAbs2();
 }
 
+void ErrorModel::fold_in(Covariance& P, const Eigen::Vector3d& turn_B) {
+  constexpr double kNegligible = 1e-3;  // rad
+  if (turn_B.squaredNorm() < kNegligible * kNegligible) return;
+  const Eigen::Matrix3d G = Eigen::Matrix3d::Identity() - 0.5 * math::skew(turn_B);
+  const AttitudeRows rows = G.lazyProduct(P.topRows<3>());
+  set_attitude_rows(P, rows, rows.leftCols<3>() * G.transpose());
+}
+
 void ErrorModel::propagate(Covariance& P, const Eigen::Vector3d& omega_B,
                            const Eigen::Vector3d& b_B, double dt) {
-  constexpr int kRest = kStates - kAttitude.size;
   const Eigen::Matrix3d Phi = math::exp_so3(-dt * omega_B);
   const Eigen::Matrix3d F = -math::skew(omega_B);
   const Eigen::Matrix3d Phi_bias = -dt * (Eigen::Matrix3d::Identity() + 0.5 * dt * F);
-  const Eigen::Matrix<double, 3, kStates> rows =
-      Phi * P.topRows<3>() + Phi_bias * P.middleRows<3>(kGyroBias.offset);
-  const Eigen::Matrix3d attitude = rows.leftCols<3>() * Phi.transpose() +
-                                   rows.middleCols<3>(kGyroBias.offset) * Phi_bias.transpose();
-  double angle_variance = parameters_.gyro_noise * parameters_.gyro_noise * dt;
-  P.topLeftCorner<3, 3>() = 0.5 * (attitude + attitude.transpose());
-  P.topLeftCorner<3, 3>().diagonal().array() += angle_variance;
-  P.topRightCorner<3, kRest>() = rows.rightCols<kRest>();
-  P.bottomLeftCorner<kRest, 3>() = P.topRightCorner<3, kRest>().transpose();
+  const Eigen::Matrix3d noise =
+      Eigen::Matrix3d::Identity() * (parameters_.gyro_noise * parameters_.gyro_noise);
+  const AttitudeRows rows =
+      Phi.lazyProduct(P.topRows<3>()) + Phi_bias.lazyProduct(P.middleRows<3>(kGyroBias.offset));
+  set_attitude_rows(P, rows,
+                    rows.leftCols<3>() * Phi.transpose() +
+                        rows.middleCols<3>(kGyroBias.offset) * Phi_bias.transpose() +
+                        math::process_noise<3>(F, noise, dt));
 
   slow_time_ += dt;
   slow_turn_B_ += dt * omega_B;

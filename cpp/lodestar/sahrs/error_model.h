@@ -23,6 +23,11 @@ class ErrorModel {
   /// Forgets what `P` knew of the attitude, in favour of `attitude_sigma_B` (rad).
   static void restart_attitude(Covariance& P, const Eigen::Vector3d& attitude_sigma_B);
 
+  /// Folds the estimated rotation `turn_B` (rad) into the attitude: the error is counted from there
+  /// on, exp(-[turn x]) exp([(turn + phi) x]) = exp([G phi x]) with G = I - [turn x] / 2. Below
+  /// 1 mrad G is the identity to all that matters.
+  static void fold_in(Covariance& P, const Eigen::Vector3d& turn_B);
+
   /// One frame of `dt` (s): `omega_B` (rad/s) is the mean rate, bias removed; `b_B` (nT) the field.
   void propagate(Covariance& P, const Eigen::Vector3d& omega_B, const Eigen::Vector3d& b_B,
                  double dt);

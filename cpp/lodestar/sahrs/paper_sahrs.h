@@ -9,6 +9,7 @@
 #include "lodestar/earth/cached_field.h"
 #include "lodestar/filter/gate.h"
 #include "lodestar/math/rotation.h"
+#include "lodestar/sahrs/alignment.h"
 #include "lodestar/sahrs/error_model.h"
 #include "lodestar/sahrs/parameters.h"
 #include "lodestar/sahrs/pose_history.h"
@@ -81,21 +82,32 @@ class PaperSahrs {
     Eigen::Matrix3d C_NB;
   };
 
-  bool moment_at(std::int64_t time_us, Moment& moment) const;
-  void integrate(const Eigen::Vector3d& mean_omega_B, double dt);
-  double vertical_acceleration() const;
-  void track_air_data(const samples::AirData& sample);
+  static constexpr double kLongestBridge = 0.5;          // s of silence that are bridged
+  static constexpr std::int64_t kOldest_us = 1'000'000;  // age up to which a sample comes
+  static constexpr std::int64_t kFresh_us = 500'000;     // between samples that are used together
+
+  static double seconds_between(std::int64_t earlier_us, std::int64_t later_us) {
+    return 1e-6 * static_cast<double>(later_us - earlier_us);
+  }
+
+  void integrate(const Eigen::Vector3d& before_B, double dt);
+  bool needs_alignment() const { return state_ != State::kRunning || lost_; }
   void try_alignment();
-  void set_attitude(const math::Euler& attitude, const Eigen::Vector3d& sigma_B);
+  void set_attitude(const Eigen::Matrix3d& C_NB, const Eigen::Vector3d& sigma_B);
+  void count_reset(const Eigen::Vector3d& turn_B);
+  samples::AttitudeMode mode(bool certain) const;
+
+  void track_air_data(const samples::AirData& sample);
   samples::Use update_pitch(const Moment& moment);
   samples::Use update_roll(const Moment& moment, const samples::LoadFactor& sample);
-  template <int M>
-  samples::Use correct(Measurement<M>& measurement, const Moment& moment, Row first);
-  void fold_in(const Eigen::Matrix<double, kEstimated, 1>& correction);
+  void doubt_heading(double dt);
   bool holds(bool assumption, Assumption which);
   samples::Use reject(Row row);
   double interval(Row row, std::int64_t time_us) const;
-  bool fresh(std::int64_t sample_us, std::int64_t time_us) const;
+  bool moment_at(std::int64_t time_us, Moment& moment) const;
+  template <int M>
+  samples::Use correct(Measurement<M>& measurement, const Moment& moment, Row first);
+  void fold_in(const Eigen::Matrix<double, kEstimated, 1>& correction);
 
   Parameters parameters_;
   FieldCalibration calibration_;
@@ -114,12 +126,14 @@ class PaperSahrs {
 
   // The estimate.
   State state_ = State::kWaiting;
+  bool lost_ = false;  // running, but so uncertain that an alignment is better
   Eigen::Quaterniond q_NS_ = Eigen::Quaterniond::Identity();
   Eigen::Matrix3d C_NB_ = Eigen::Matrix3d::Identity();
   Eigen::Vector3d gyro_bias_B_ = Eigen::Vector3d::Zero();
   Eigen::Vector3d field_bias_B_ = Eigen::Vector3d::Zero();
   Covariance P_;
   PoseHistory history_;
+  Alignment alignment_;
 
   // The latest of each channel, and what follows from it.
   bool have_rates_ = false;
@@ -127,7 +141,8 @@ class PaperSahrs {
   double frame_interval_ = 0.0;
   Eigen::Vector3d omega_B_ = Eigen::Vector3d::Zero();
   bool have_load_ = false;
-  samples::LoadFactor load_;
+  std::int64_t load_us_ = 0;
+  double climb_acceleration_ = 0.0;
   bool have_field_ = false;
   std::int64_t field_us_ = 0;
   Eigen::Vector3d b_B_ = Eigen::Vector3d::Zero();

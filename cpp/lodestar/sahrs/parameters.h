@@ -52,7 +52,7 @@ struct Parameters {
   double baro_lag = 0.3;                    // s
   double climb_filter_bandwidth = 1.0;      // rad/s
   double climb_rate_sigma = 0.2;            // m/s
-  double vertical_wind_sigma = 0.5;         // m/s
+  double vertical_wind_sigma = 1.0;         // m/s
   double vertical_wind_length = 400.0;      // m
 
   // Load factor.
@@ -62,7 +62,7 @@ struct Parameters {
   // What the pitch and roll measurements take for granted.
   double min_airspeed = 60.0;             // m/s
   double max_speed_rate = 0.3 * kG0;      // m/s^2
-  double max_flow_rate = 0.15 * kG0;      // m/s^2
+  double max_flow_rate = 0.4 * kG0;       // m/s^2
   double max_sideslip = 5.0 * kDegree;    // rad
   double max_lateral_load = 0.1;          // g0
   double max_body_rate = 20.0 * kDegree;  // rad/s
@@ -116,7 +116,7 @@ struct Parameters {
           {"beta_bias_sigma_deg", "deg", 0.0, 20.0, "Bias of beta, 1 sigma", kDegree});
     visit(self.baro_lag, {"baro_lag_s", "s", 0.0, 5.0, "First-order lag of the baro altitude"});
     visit(self.climb_filter_bandwidth,
-          {"climb_filter_bandwidth_rad_s", "rad/s", 0.05, 5.0,
+          {"climb_filter_bandwidth_rad_s", "rad/s", 0.05, 2.0,
            "Bandwidth of the filter that makes the rate of climb of altitude and load factor"});
     visit(self.climb_rate_sigma,
           {"climb_rate_sigma_m_s", "m/s", 1e-3, 50.0, "Error of the rate of climb, 1 sigma"});
@@ -143,7 +143,7 @@ struct Parameters {
     visit(self.max_flow_rate, {"max_flow_rate_g", "g0", 1e-3, 10.0,
                                "Largest V |dalpha/dt| and V |dbeta/dt| for roll", kG0});
     visit(self.max_sideslip,
-          {"max_sideslip_deg", "deg", 0.1, 90.0, "Largest |beta| for pitch and roll", kDegree});
+          {"max_sideslip_deg", "deg", 0.1, 45.0, "Largest |beta| for pitch and roll", kDegree});
     visit(self.max_lateral_load,
           {"max_lateral_load_g", "g0", 1e-3, 10.0, "Largest |n_y| for roll"});
     visit(self.max_body_rate,

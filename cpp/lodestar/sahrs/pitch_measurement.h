@@ -18,12 +18,20 @@ struct PitchInput {
   Tilt tilt;             // predicted
 };
 
+/// Airspeed in the plane in which pitch turns the velocity: hypot(a, c) of `pitch_measurement`.
+inline double pitch_plane_airspeed(const PitchInput& in) {
+  const double a = std::cos(in.alpha) * std::cos(in.beta);
+  const double c = std::sin(in.beta) * in.tilt.sin_roll +
+                   std::sin(in.alpha) * std::cos(in.beta) * in.tilt.cos_roll;
+  return in.true_airspeed * std::hypot(a, c);
+}
+
 /// Pitch from air data (SAHRS paper §3.2; the estimate of roll is used in it). With the air
 /// velocity in B along alpha and beta, and no vertical wind,
 ///     climb_rate = a sin(pitch) - c cos(pitch),
 ///     a = V cos(alpha) cos(beta),  c = V (sin(beta) sin(roll) + sin(alpha) cos(beta) cos(roll)),
 /// of which pitch = asin(climb_rate / hypot(a, c)) + atan2(c, a). Needs |climb_rate| < hypot(a, c)
-/// and pitch away from +-90 degrees.
+/// by a margin, and pitch away from +-90 degrees.
 ///
 /// To first order the innovation is the pitch error, less what the error of roll puts into it, plus
 /// the biases of alpha and beta. `alpha_sigma` (rad) is white, `climb_rate` (m^2/s^2) is the error

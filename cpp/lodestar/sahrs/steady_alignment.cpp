@@ -13,9 +13,30 @@ constexpr double kDuration = 5.0;                         // s
 constexpr double kRateSpread = 3.0 * math::kDegree;       // rad/s, of steady flight
 constexpr double kLargestGyroBias = 1.0 * math::kDegree;  // rad/s, that rates may disagree by
 
+constexpr double kWeakestField = 1000.0;                  // nT, horizontal
+
 }  // namespace
 
-std::optional<Eigen::Matrix3d> SteadyAlignment::add(std::int64_t time_us, const AlignmentInput& in,
+std::optional<Eigen::Matrix3d> attitude_of(const MomentVectors& in, double max_imbalance) {
+  const Eigen::Vector3d gravity_B =
+      samples::kStandardGravity * in.n_B + in.omega_B.cross(in.v_air_B);
+  const double size = gravity_B.norm();
+  if (!(std::abs(size / in.gravity - 1.0) <= max_imbalance)) return std::nullopt;
+  // Columns: down and magnetic east, in N and in B, and the third beside them.
+  const auto axes = [](const Eigen::Vector3d& down, const Eigen::Vector3d& field) {
+    Eigen::Matrix3d axes;
+    axes.col(2) = down.normalized();
+    axes.col(1) = down.cross(field).normalized();
+    axes.col(0) = axes.col(1).cross(axes.col(2));
+    return axes;
+  };
+  if (!(gravity_B.cross(in.b_B).norm() > kWeakestField * size)) return std::nullopt;
+  if (!(in.b_N.head<2>().norm() > kWeakestField)) return std::nullopt;
+  return Eigen::Matrix3d(axes(Eigen::Vector3d::UnitZ(), in.b_N) *
+                         axes(gravity_B, in.b_B).transpose());
+}
+
+std::optional<Eigen::Matrix3d> SteadyAlignment::add(std::int64_t time_us, const MomentVectors& in,
                                                     double max_imbalance) {
   if (count_ > 0 && (in.omega_B - first_omega_B_).cwiseAbs().maxCoeff() > kRateSpread) restart();
   if (count_ == 0) {
@@ -38,10 +59,10 @@ std::optional<Eigen::Matrix3d> SteadyAlignment::add(std::int64_t time_us, const 
   return C_NB;
 }
 
-std::optional<Eigen::Matrix3d> SteadyAlignment::solve(double duration, const AlignmentInput& in,
+std::optional<Eigen::Matrix3d> SteadyAlignment::solve(double duration, const MomentVectors& in,
                                                       double max_imbalance) const {
   const double n = count_;
-  AlignmentInput mean = in;
+  MomentVectors mean = in;
   mean.n_B = n_B_ / n;
   mean.v_air_B = v_air_B_ / n;
   mean.b_B = b_B_ / n;
@@ -58,9 +79,9 @@ std::optional<Eigen::Matrix3d> SteadyAlignment::solve(double duration, const Ali
   if (!((omega_B_ / n - mean.omega_B).cwiseAbs().maxCoeff() < kLargestGyroBias)) {
     return std::nullopt;
   }
-  const std::optional<math::Euler> middle = align(mean, max_imbalance);
+  const std::optional<Eigen::Matrix3d> middle = attitude_of(mean, max_imbalance);
   if (!middle) return std::nullopt;
-  return math::C_NB_from_euler(*middle) * math::exp_so3((0.5 * duration) * mean.omega_B);
+  return *middle * math::exp_so3((0.5 * duration) * mean.omega_B);
 }
 
 }  // namespace lodestar::sahrs

@@ -5,7 +5,6 @@
 #include <optional>
 
 #include "lodestar/earth/wgs84.h"
-#include "lodestar/sahrs/alignment.h"
 #include "lodestar/strapdown/air_data_aid.h"
 
 namespace lodestar::sahrs {
@@ -138,15 +137,15 @@ void VelocitySahrs::try_alignment() {
     waiting_us_ = now_us_;
     steady_.restart();
   }
-  const AlignmentInput in{omega_B_,   load_.n_B, strapdown::air_velocity_B(air_),
+  const MomentVectors in{omega_B_,   load_.n_B, strapdown::air_velocity_B(air_),
                           field_.b_B, b_N_,      gravity_};
   const std::optional<Eigen::Matrix3d> steady = steady_.add(now_us_, in, parameters_.max_imbalance);
   if (steady) {
     align_to(*steady, kSteadySigma_B);
   } else if (now_us_ - waiting_us_ > kLongestWait_us) {
-    const std::optional<math::Euler> instant = align(in, parameters_.max_imbalance);
+    const std::optional<Eigen::Matrix3d> instant = attitude_of(in, parameters_.max_imbalance);
     if (instant) {
-      align_to(math::C_NB_from_euler(*instant), kInstantSigma_B);
+      align_to(*instant, kInstantSigma_B);
     } else {
       ++assumption_rejects_[static_cast<std::size_t>(Assumption::kBalance)];
     }

@@ -17,16 +17,31 @@ INTERRUPTED = 130
 
 ConfigOption = Annotated[
     Path | None,
-    typer.Option("--config", metavar="FILE", help="Configuration of the flight computer (TOML)."),
+    typer.Option(
+        "--config",
+        metavar="FILE",
+        help="Configuration of the flight computer: a TOML file, or the name of a shipped one.",
+    ),
 ]
 OutOption = Annotated[
-    Path | None, typer.Option("--out", metavar="DIR", help="The run folder; out/NAME by default.")
+    Path | None,
+    typer.Option("--out", metavar="DIR", help="The run folder; one in out/ by default."),
 ]
 JsonOption = Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else.")]
 BusOption = Annotated[
     str,
     typer.Option("--bus", metavar="URL", help="An LCM URL; 'default' is LCM's own on this host."),
 ]
+
+
+def given_or_shipped(path: Path) -> Path:
+    """The file that a person names, or the shipped one of that name.
+
+    Raises InputError where there is neither.
+    """
+    from lodestar.paths import config_path
+
+    return path if path.exists() or path.parent != Path() else config_path(path.name)
 
 
 def bus_url(given: str) -> str:

@@ -19,6 +19,7 @@ from lodestar.cli.common import (
     OutOption,
     bus_url,
     fail,
+    given_or_shipped,
 )
 from lodestar.harness import LOG
 from lodestar.harness.isolation import isolated_bus
@@ -28,7 +29,7 @@ if TYPE_CHECKING:
 
     from lodestar.harness.scenario import Scenario
 
-EXAMPLE = "Example: lodestar fly gps-outage --seed 7 --out out/seed7"
+EXAMPLE = "Example: lodestar fly gps-loss-long --seed 7 --out out/seed7"
 
 
 def command(
@@ -95,7 +96,7 @@ def _fly(
     from lodestar.harness.fly import fly_plan, prepare
 
     simulating = progress.add_task("simulate", total=None)
-    plan = prepare(scenario, seed, config)
+    plan = prepare(scenario, seed, given_or_shipped(config) if config else None)
     progress.remove_task(simulating)
     flying = progress.add_task(f"fly {scenario.name}", total=scenario.duration_s)
     start = time.monotonic()

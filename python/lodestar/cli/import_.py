@@ -8,11 +8,13 @@ from typing import Annotated
 
 import typer
 
+from lodestar.cli.common import given_or_shipped
+
 EXAMPLE = "Example: lodestar import thor75.npz --map umn_thor75.toml -o thor75.lcm"
 
 
 def command(
-    source: Annotated[Path, typer.Argument(metavar="FILE", help="A CSV or npz file.")],
+    source: Annotated[Path, typer.Argument(metavar="FILE", help="A CSV, npz or ULog file.")],
     map_path: Annotated[
         Path,
         typer.Option(
@@ -28,12 +30,9 @@ def command(
 ) -> None:
     """Make a recording out of anyone's data, and say what was dropped."""
     from lodestar import recordings
-    from lodestar.paths import config_path
     from lodestar.recordings.importer import import_recording
 
-    if not map_path.exists() and map_path.parent == Path():
-        map_path = config_path(f"maps/{map_path.name}")
-    recording, report = import_recording(source, map_path)
+    recording, report = import_recording(source, given_or_shipped(map_path))
     recordings.save(recording, target)
     for line in report.lines():
         typer.echo(line)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from lodestar.cli import outcome
-from lodestar.cli.common import FLIGHT_FAILED, JsonOption, OutOption, fail
+from lodestar.cli.common import FLIGHT_FAILED, JsonOption, OutOption, fail, given_or_shipped
 from lodestar.errors import InputError
 from lodestar.harness import CONFIG, LOG
 
@@ -37,10 +37,12 @@ def command(
         ),
     ] = None,
     start_s: Annotated[
-        float, typer.Option("--from", metavar="S", help="Score from this time on, s.")
+        float,
+        typer.Option("--from", metavar="S", help="Score from this time on, s.", show_default=False),
     ] = float("-inf"),
     end_s: Annotated[
-        float, typer.Option("--to", metavar="S", help="Score up to this time, s.")
+        float,
+        typer.Option("--to", metavar="S", help="Score up to this time, s.", show_default=False),
     ] = float("inf"),
     out: OutOption = None,
     as_json: JsonOption = False,
@@ -52,7 +54,9 @@ def command(
     from lodestar.recordings.log import write_log
 
     own_config = flight.parent / CONFIG
-    if config is None and flight.name == LOG and own_config.exists():
+    if config is not None:
+        config = given_or_shipped(config)
+    elif flight.name == LOG and own_config.exists():
         config = own_config
     before = outcome.read_summary(flight.parent) if flight.name == LOG else {}
     case = before.get("scenario") or flight.stem

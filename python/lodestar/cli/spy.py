@@ -34,6 +34,8 @@ def command(
         return
     url = bus_url(bus)
     require_multicast(url)
+    if not os.environ.get("DISPLAY"):
+        raise InputError("spy: no display ($DISPLAY is not set); lodestar watch needs none")
     environment = {**os.environ, "CLASSPATH": str(jar)}
     raise typer.Exit(subprocess.call([_lcm_tool("lcm-spy"), f"--lcm-url={url}"], env=environment))
 

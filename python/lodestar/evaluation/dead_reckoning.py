@@ -7,9 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.integrate import cumulative_trapezoid
 
-from lodestar import rotation
+from lodestar import _core, rotation
 from lodestar.recordings.recording import Channel
-from lodestar.simulation import earth
 
 Array = NDArray[np.float64]
 
@@ -42,7 +41,7 @@ def dead_reckon(
     latitude = np.full(len(t), lat)
     # The radius depends so little on latitude that this contracts by 1e-3 and more each time.
     for _ in range(4):
-        rate = v_N[:, 0] / (earth.meridian_radius(latitude) + h)
+        rate = v_N[:, 0] / (_core.meridian_radius(latitude) + h)
         latitude = lat + cumulative_trapezoid(rate, t, initial=0)
-    rate = v_N[:, 1] / ((earth.transverse_radius(latitude) + h) * np.cos(latitude))
+    rate = v_N[:, 1] / ((_core.transverse_radius(latitude) + h) * np.cos(latitude))
     return latitude, lon + cumulative_trapezoid(rate, t, initial=0)

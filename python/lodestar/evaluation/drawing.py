@@ -167,7 +167,7 @@ def titled(figure: Figure, axes: list[Axes]) -> Figure:
         labels,
         loc="outside upper right",
         ncols=len(labels),
-        markerscale=3,
+        markerscale=2.5,
     )
     figure.align_ylabels(axes)
     return figure

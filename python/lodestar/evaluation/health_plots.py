@@ -42,6 +42,7 @@ INNOVATIONS = (
 SAHRS_MODES = ("waiting", "aligning", "running", "coasting", "re-aligning")
 NAV_MODES = ("waiting", "aiding", "dead reckoning", "re-acquiring")
 _MOST_SERIES = 6
+_MANY = 1000
 
 
 def innovations(recording: Recording, score: Score) -> Figure | None:
@@ -73,7 +74,8 @@ def innovations(recording: Recording, score: Score) -> Figure | None:
                 lw=0,
                 label=label,
             )
-        one.plot(t, value, ".", ms=2.5, mew=0, color=drawing.AFTER, label="innovation")
+        size = 2.5 if len(t) > _MANY else 4.0
+        one.plot(t, value, ".", ms=size, mew=0, color=drawing.AFTER, label="innovation")
         beyond = np.abs(value) > 3 * sigma
         if beyond.any():
             one.plot(

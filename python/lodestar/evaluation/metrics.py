@@ -8,8 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from lodestar import rotation
-from lodestar.simulation import earth
+from lodestar import _core, rotation
 
 Array = NDArray[np.float64]
 
@@ -36,8 +35,8 @@ def coverage(error: Array, sigma: Array, multiple: float) -> float:
 
 def north_east_m(lat: Array, lon: Array, ref_lat: Array, ref_lon: Array, ref_h: Array) -> Array:
     """Horizontal offset (n, 2) in m, north and east, of a position from a reference (rad, m)."""
-    north = (lat - ref_lat) * (earth.meridian_radius(ref_lat) + ref_h)
-    radius = (earth.transverse_radius(ref_lat) + ref_h) * np.cos(ref_lat)
+    north = (lat - ref_lat) * (_core.meridian_radius(ref_lat) + ref_h)
+    radius = (_core.transverse_radius(ref_lat) + ref_h) * np.cos(ref_lat)
     return np.column_stack([north, rotation.wrap_pi(lon - ref_lon) * radius])
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lodestar.evaluation.metrics import Gap, coverage
+from lodestar.evaluation.metrics import Gap
 from lodestar.evaluation.score import Row, Score, loss_case
 
 NONE = "–"
@@ -72,18 +72,18 @@ def notes(score: Score) -> list[str]:
             told.append(f"There is no {channel} in the recording.")
         elif estimates.available < 0.9995:
             told.append(f"{channel} called {100 * estimates.available:.1f} % of its output valid.")
-    sahrs = comparison.sahrs
-    if sahrs is not None and sahrs.rotation is not None and sahrs.rotation.sigma is not None:
-        shares = [
-            " / ".join(
-                _percent(coverage(sahrs.rotation.error[:, i], sahrs.rotation.sigma[:, i], k))
-                for i in range(3)
-            )
-            for k in (1, 2)
+    shares = [
+        [
+            score.value("sahrs", f"coverage_{k}sigma_{axis}_axis")
+            for axis in ("roll", "pitch", "yaw")
         ]
+        for k in (1, 2)
+    ]
+    inside = [" / ".join(_percent(share) for share in known) for known in shares]
+    if None not in (*shares[0], *shares[1]):
         told.append(
-            f"SAHRS about the roll / pitch / yaw axis: {shares[0]} % within 1σ, "
-            f"{shares[1]} % within 2σ."
+            f"SAHRS about the roll / pitch / yaw axis: {inside[0]} % within 1σ, "
+            f"{inside[1]} % within 2σ."
         )
     return told
 
@@ -128,7 +128,14 @@ def error_table(score: Score) -> Table:
         "% in 2σ",
         "thesis rmse",
     )
-    return Table("Errors before and after correction", header, rows, frozenset(bad))
+    # Limits and published figures exist for some flights only; they stand last.
+    told = [i for i, _ in enumerate(header) if i < 5 or any(row[i] != NONE for row in rows)]
+    return Table(
+        "Errors before and after correction",
+        tuple(header[i] for i in told),
+        [tuple(row[i] for i in told) for row in rows],
+        frozenset(bad),
+    )
 
 
 def loss_table(score: Score) -> Table | None:
@@ -184,8 +191,8 @@ def _coverage(score: Score, stem: str, multiple: int) -> str:
     return _percent(float(np.mean(known))) if known else NONE
 
 
-def _percent(share: float) -> str:
-    return NONE if np.isnan(share) else f"{100 * share:.0f}"
+def _percent(share: float | None) -> str:
+    return NONE if share is None else f"{100 * share:.0f}"
 
 
 def _mean_and_max(values: list[float]) -> str:

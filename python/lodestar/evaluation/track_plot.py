@@ -11,13 +11,14 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, MaxNLocator
 from numpy.typing import NDArray
 
+from lodestar import _core
 from lodestar.evaluation import drawing
 from lodestar.evaluation.metrics import Gap
 from lodestar.evaluation.score import Score
 from lodestar.recordings.recording import Channel, Recording
-from lodestar.simulation import earth
 
 Array = NDArray[np.float64]
+Times = NDArray[np.int64]
 
 _POINTS = 6000
 _TALLEST, _LOWEST = 9.0, 4.5  # inch
@@ -35,7 +36,7 @@ def track(recording: Recording, score: Score) -> Figure | None:
     step = -(-len(lat) // _POINTS)
     axes.plot(*_degrees(lat[::step], lon[::step]), color=drawing.TRUE, lw=1.0, label=name, zorder=3)
     if "NAV" in recording:
-        _nav_track(axes, recording["NAV"], float(np.mean(lon)))
+        _nav_track(axes, recording["NAV"], time_us, float(np.mean(lon)))
     for index, gap in enumerate(score.comparison.gps_losses):
         _mark_loss(axes, gap, index, time_us, lat, lon)
     for place, marker, label in ((0, "o", "start"), (-1, "s", "end")):
@@ -58,8 +59,8 @@ def track(recording: Recording, score: Score) -> Figure | None:
 def _stretch(lat: Array, h: Array) -> float:
     """Length of a degree of latitude over one of longitude."""
     middle, height = float(np.mean(lat)), float(np.mean(h))
-    north = earth.meridian_radius(middle) + height
-    return float(north / ((earth.transverse_radius(middle) + height) * np.cos(middle)))
+    north = _core.meridian_radius(middle) + height
+    return float(north / ((_core.transverse_radius(middle) + height) * np.cos(middle)))
 
 
 def _map(lat: Array, lon: Array, stretch: float) -> tuple[Figure, Axes]:
@@ -98,8 +99,11 @@ def _degrees(lat: Array, lon: Array) -> tuple[Array, Array]:
     return np.atleast_1d(np.rad2deg(lon)), np.atleast_1d(np.rad2deg(lat))
 
 
-def _nav_track(axes: Axes, nav: Channel, near: float) -> None:
-    lat = np.where(nav["valid"], nav["lat"], np.nan)
+def _nav_track(axes: Axes, nav: Channel, reference_us: Times, near: float) -> None:
+    shown = (
+        nav["valid"] & (nav["time_us"] >= reference_us[0]) & (nav["time_us"] <= reference_us[-1])
+    )
+    lat = np.where(shown, nav["lat"], np.nan)
     lon = near + np.remainder(nav["lon"] - near + np.pi, 2 * np.pi) - np.pi
     step = -(-len(lat) // _POINTS)
     axes.plot(
@@ -112,9 +116,7 @@ def _nav_track(axes: Axes, nav: Channel, near: float) -> None:
     )
 
 
-def _mark_loss(
-    axes: Axes, gap: Gap, index: int, time_us: NDArray[np.int64], lat: Array, lon: Array
-) -> None:
+def _mark_loss(axes: Axes, gap: Gap, index: int, time_us: Times, lat: Array, lon: Array) -> None:
     during = np.flatnonzero((time_us >= gap.start_us) & (time_us <= gap.end_us))
     if not len(during):
         return
@@ -134,7 +136,7 @@ def _scale_bar(axes: Axes, lat: Array, stretch: float) -> None:
     """A bar of a round length, about a fifth of the width, in the lower left corner."""
     west, east = axes.get_xlim()
     south, north = axes.get_ylim()
-    metre = np.rad2deg(1.0 / float(earth.meridian_radius(np.mean(lat)))) * stretch
+    metre = np.rad2deg(1.0 / float(_core.meridian_radius(np.mean(lat)))) * stretch
     wanted = 0.2 * (east - west) / metre
     power = 10.0 ** np.floor(np.log10(wanted))
     length = max(step * power for step in (1, 2, 5) if step * power <= wanted)

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import select
 import time
 from collections import deque
 from collections.abc import Callable, Iterable
@@ -76,11 +77,13 @@ class Bus:
         """Take in what has arrived, waiting at most ``timeout_s`` for the first message."""
         if self._lcm is None:
             return False
-        if not self._lcm.handle_timeout(max(0, round(timeout_s * 1e3))):
-            return False
+        # Wait here, not inside LCM, where a signal would end the wait as an error of its own.
+        if timeout_s > 0:
+            select.select([self._lcm], [], [], timeout_s)
+        heard = False
         while self._lcm.handle_timeout(0):
-            pass
-        return True
+            heard = True
+        return heard
 
     def collect(self, channel: str) -> list[Message]:
         """Take the messages of a channel that have arrived since the last call, oldest first."""

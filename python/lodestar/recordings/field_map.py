@@ -15,6 +15,8 @@
     valid = { constant = true }
 
     [channels.GPS]
+    clock = "gps.timestamp"   # instead of the column of [time], in its unit; a ULog has many
+    optional = true           # left out, and said, where the source lacks one of its columns
     new = "gps_flag"          # keep rows where this column is not zero
     require = { column = "sats", min = 4 }
     latency_s = 0.2           # time of validity = time of the row - latency
@@ -48,7 +50,7 @@ AXES: dict[str, tuple[str, str, str]] = {
 """Named conventions as the signed source axes of our x, y, z."""
 
 MAPPED = (*table.INPUTS, "TRUTH")
-_CHANNEL_KEYS = ("every", "new", "require", "latency_s")
+_CHANNEL_KEYS = ("clock", "optional", "every", "new", "require", "latency_s")
 
 
 @dataclass(frozen=True)
@@ -79,7 +81,9 @@ class FieldMap:
 class ChannelMap:
     """How the messages of one channel come from the rows of the source."""
 
+    clock: str
     fields: dict[str, FieldMap]
+    optional: bool = False
     every: int = 1
     new: str | None = None
     require: Require | None = None
@@ -90,7 +94,6 @@ class ChannelMap:
 class Map:
     """A whole map file."""
 
-    time_column: str
     time_unit: str
     start_s: float
     end_s: float
@@ -152,32 +155,36 @@ def read_map(path: Path) -> Map:
     time = root.table("time")
     time.only(("column", "unit", "start_s", "end_s"))
     column = time.take("column", str)
-    if column is None:
-        raise time.error("lacks column")
     channels = root.table("channels")
     channels.only(MAPPED)
+    if not channels.values:
+        raise channels.error("names no channel")
     return Map(
-        time_column=column,
         time_unit=time.choice("unit", TIME, "s"),
         start_s=time.number("start_s", -inf),
         end_s=time.number("end_s", inf),
-        channels={name: _channel(name, channels.table(name)) for name in channels.values},
+        channels={name: _channel(name, channels.table(name), column) for name in channels.values},
     )
 
 
-def _channel(channel: str, source: _Table) -> ChannelMap:
+def _channel(channel: str, source: _Table, default_clock: str | None) -> ChannelMap:
     shapes = {item.name: item.shape for item in table.fields(channel) if item.name != "time_us"}
     source.only((*_CHANNEL_KEYS, *shapes))
     every = source.take("every", int, 1)
     if every < 1:
         raise source.error(f"has every = {every}, must be at least 1")
+    clock = source.take("clock", str, default_clock)
+    if clock is None:
+        raise source.error("lacks clock, and [time] lacks column")
     fields = {}
     for name, shape in shapes.items():
         if name not in source.values:
             raise source.error(f"lacks field {name}")
         fields[name] = _field(name, prod(shape), source.table(name))
     return ChannelMap(
+        clock=clock,
         fields=fields,
+        optional=source.take("optional", bool, False),
         every=every,
         new=source.take("new", str),
         require=_require(source.table("require")) if "require" in source.values else None,

@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Anyone's CSV or npz as a recording, by a map file."""
+"""Anyone's CSV, npz or ULog as a recording, by a map file."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from math import pi
 from pathlib import Path
@@ -15,20 +16,23 @@ from lodestar import channels as table
 from lodestar.errors import InputError
 from lodestar.recordings.field_map import ChannelMap, FieldMap, Map, Require, read_map
 from lodestar.recordings.recording import Recording
-from lodestar.recordings.source import Columns, Values, open_source
+from lodestar.recordings.source import NoColumn, Source, Values, open_source
 from lodestar.recordings.units import TIME, quantity
 
 Mask = NDArray[np.bool_]
+Columns = Callable[[str], Values]
 
 
 @dataclass
 class ImportReport:
     """What became of the rows of the source."""
 
-    rows: int
+    rows: int = 0
     kept: dict[str, int] = field(default_factory=dict)
     dropped: dict[str, dict[str, int]] = field(default_factory=dict)
-    """By channel (``time``: rows of no use to any channel), then by reason."""
+    """By channel, or clock for rows of no use to any channel, then by reason."""
+    left_out: list[str] = field(default_factory=list)
+    """Optional channels that the source does not have, and why."""
 
     def drop(self, channel: str, reason: str, count: int) -> None:
         """Count dropped rows, if there are any."""
@@ -38,18 +42,19 @@ class ImportReport:
     def lines(self) -> list[str]:
         """The report for a person."""
         told = [f"{self.rows} rows read"]
-        for channel in ("time", *self.kept):
+        clocks = [name for name in self.dropped if name not in self.kept]
+        for channel in (*clocks, *self.kept):
             reasons = self.dropped.get(channel, {})
             dropped = "; ".join(f"{count} dropped: {why}" for why, count in reasons.items())
             if channel in self.kept:
                 dropped = f"{self.kept[channel]} messages" + ("; " if dropped else "") + dropped
             if dropped:
                 told.append(f"{channel}: {dropped}")
-        return told
+        return told + self.left_out
 
 
 def import_recording(path: Path, map_path: Path) -> tuple[Recording, ImportReport]:
-    """Read a CSV file (with a header line) or an npz file of columns, by the map.
+    """Read a CSV file (with a header line), an npz file of columns or a ULog, by the map.
 
     A row that no message can be made of is dropped and reported: its time is not finite or not
     later than that of the rows before it, a value is missing, not finite or out of physical range.
@@ -58,74 +63,92 @@ def import_recording(path: Path, map_path: Path) -> tuple[Recording, ImportRepor
     wrong, or a channel of which nothing is left.
     """
     plan = read_map(map_path)
-    columns, rows = open_source(path)
-    report = ImportReport(rows)
-    clock = TIME[plan.time_unit](columns(plan.time_column))
-    usable = _usable_rows(clock, plan, report)
+    source = open_source(path)
+    report = ImportReport()
+    clocks: dict[str, _Clock] = {}
     recording = Recording()
     for name, one in plan.channels.items():
-        _import_channel(recording, name, one, columns, clock, usable, report)
+        try:
+            if one.clock not in clocks:
+                clocks[one.clock] = _clock(source, one.clock, plan, report)
+            _import_channel(recording, name, one, source, clocks[one.clock], report)
+        except NoColumn as error:
+            if not one.optional:
+                raise
+            report.left_out.append(f"{name} left out: {error}")
+            continue
         if not report.kept[name]:
             raise InputError(f"{path}: nothing left of {name}: {report.dropped.get(name, {})}")
     return recording, report
 
 
-def _usable_rows(clock: Values, plan: Map, report: ImportReport) -> NDArray[np.int64]:
-    finite = np.isfinite(clock)
-    report.drop("time", "time not finite", int(np.sum(~finite)))
+@dataclass(frozen=True)
+class _Clock:
+    """A column of times, in s, and the rows of it that are of use."""
+
+    seconds: Values
+    rows: NDArray[np.int64]
+
+
+def _clock(source: Source, name: str, plan: Map, report: ImportReport) -> _Clock:
+    seconds = TIME[plan.time_unit](source.read(name))
+    report.rows += len(seconds)
+    finite = np.isfinite(seconds)
+    report.drop(name, "time not finite", int(np.sum(~finite)))
     rows = np.flatnonzero(finite)
     if len(rows):
-        latest = np.maximum.accumulate(clock[rows])
-        later = np.concatenate([[True], clock[rows][1:] > latest[:-1]])
-        report.drop("time", "time not later than before", int(np.sum(~later)))
+        latest = np.maximum.accumulate(seconds[rows])
+        later = np.concatenate([[True], seconds[rows][1:] > latest[:-1]])
+        report.drop(name, "time not later than before", int(np.sum(~later)))
         rows = rows[later]
-    inside = (clock[rows] >= plan.start_s) & (clock[rows] <= plan.end_s)
-    report.drop("time", "outside start_s to end_s", int(np.sum(~inside)))
-    return rows[inside]
+    inside = (seconds[rows] >= plan.start_s) & (seconds[rows] <= plan.end_s)
+    report.drop(name, "outside start_s to end_s", int(np.sum(~inside)))
+    return _Clock(seconds, rows[inside])
 
 
 def _import_channel(
     recording: Recording,
     name: str,
     plan: ChannelMap,
-    columns: Columns,
-    clock: Values,
-    rows: NDArray[np.int64],
+    source: Source,
+    clock: _Clock,
     report: ImportReport,
 ) -> None:
+    def columns(column: str) -> Values:
+        return source.at(column, plan.clock)
+
+    rows = clock.rows
     if plan.new is not None:
         rows = rows[columns(plan.new)[rows] != 0]
     rows = rows[:: plan.every]
     if plan.require is not None:
         good = _within(plan.require, columns, rows)
-        report.drop(
-            name, f"{plan.require.column} outside what the map requires", int(np.sum(~good))
-        )
+        reason = f"{plan.require.column} outside what the map requires"
+        report.drop(name, reason, int(np.sum(~good)))
         rows = rows[good]
-    values: dict[str, NDArray[Any]] = {}
-    for item in table.fields(name):
-        if item.name != "time_us":
-            values[item.name] = _value(item, plan.fields[item.name], columns, clock, rows)
+    items = [item for item in table.fields(name) if item.name != "time_us"]
+    values = {
+        item.name: _value(item, plan.fields[item.name], columns, clock.seconds[rows], rows)
+        for item in items
+    }
     if "beta" in values and plan.fields["beta"].flank:
         # A flank-angle vane measures atan2(v, u), sideslip is asin(v / V).
         values["beta"] = np.arctan(np.tan(values["beta"]) * np.cos(values["alpha"]))
     if "heading" in values:
         values["heading"] = np.mod(values["heading"], 2 * pi)
     keep = np.ones(len(rows), bool)
-    for item in table.fields(name):
-        if item.name != "time_us":
-            keep &= _plausible(name, item, values[item.name], keep, report)
-    arrival = np.rint(clock[rows] * 1e6).astype(np.int64)
-    columns_kept: dict[str, NDArray[Any]] = {"time_us": arrival - round(plan.latency_s * 1e6)}
-    for item in table.fields(name)[1:]:
-        columns_kept[item.name] = _as_type(values[item.name], item)
-    columns_kept = {key: value[keep] for key, value in columns_kept.items()}
-    recording.put(name, columns_kept, arrival[keep])
-    report.kept[name] = int(np.sum(keep))
+    for item in items:
+        keep &= _plausible(name, item, values[item.name], keep, report)
+    arrival = np.rint(clock.seconds[rows] * 1e6).astype(np.int64)[keep]
+    kept: dict[str, NDArray[Any]] = {"time_us": arrival - round(plan.latency_s * 1e6)}
+    for item in items:
+        kept[item.name] = _as_type(values[item.name][keep], item)
+    recording.put(name, kept, arrival)
+    report.kept[name] = len(arrival)
 
 
 def _value(
-    item: table.Field, plan: FieldMap, columns: Columns, clock: Values, rows: NDArray[np.int64]
+    item: table.Field, plan: FieldMap, columns: Columns, seconds: Values, rows: NDArray[np.int64]
 ) -> NDArray[Any]:
     shape = (len(rows), *item.shape)
     if plan.constant is not None:
@@ -137,7 +160,7 @@ def _value(
             ) from None
     if plan.during_s is not None:
         start, end = plan.during_s
-        return (clock[rows] >= start) & (clock[rows] <= end)
+        return (seconds >= start) & (seconds <= end)
     if plan.condition is not None:
         return _within(plan.condition, columns, rows)
     source = np.stack([columns(one)[rows] for one in plan.columns], axis=-1)

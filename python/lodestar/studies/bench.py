@@ -73,7 +73,7 @@ def frame_rows(_: Recording, log: Path) -> Iterator[Row]:
     said = subprocess.run(command, env=environment, capture_output=True, text=True, check=True)
     for result in json.loads(said.stdout)["benchmarks"]:
         if result["aggregate_name"] == "median":
-            yield _row(f"{result['run_name']}_median_us", result["real_time"])
+            yield _row(f"{result['run_name']}_median_us", result["cpu_time"])
 
 
 def replay_rows(_: Recording, log: Path) -> Iterator[Row]:
@@ -84,7 +84,7 @@ def replay_rows(_: Recording, log: Path) -> Iterator[Row]:
     for _attempt in range(3):
         begin = time.perf_counter()
         process = subprocess.Popen(command)
-        _, status, usage = os.wait4(process.pid, 0)
+        _pid, status, usage = os.wait4(process.pid, 0)
         seconds.append(time.perf_counter() - begin)
         if status != 0:
             sys.exit(f"error: lodestar-fc --replay ended with status {status}")
