@@ -104,11 +104,11 @@ TEST(SparseUpdate, WhatIsExpectedLeavesTheInnovation) {
   EXPECT_LT((sparse.innovation() - (m.innovation - m.H() * x)).norm(), 1e-14);
 }
 
-TEST(SparseUpdate, StaysPositiveOverAMillionPreciseUpdates) {
+TEST(SparseUpdate, StaysPositiveOverManyPreciseUpdates) {
   // Noise a thousand times smaller than what is known at first, as when a filter starts.
   std::mt19937 generator(4);
   Matrix lower = lower_of(1e3 * Matrix::Identity());
-  for (int i = 0; i < 1'000'000; ++i) {
+  for (int i = 0; i < 100'000; ++i) {
     Measurement m = random_measurement(generator);
     m.variance *= 1e-3;
     const SparseUpdate<kN, Measurement> sparse(lower, m);
