@@ -69,9 +69,9 @@ inline Eigen::Matrix3d exp_so3(const Eigen::Vector3d& phi) {
   return exp_quaternion(phi).toRotationMatrix();
 }
 
-/// Rotation vector (rad) of `dt` (s) at a body rate that goes from `omega_0` to `omega_1` (rad/s) on
-/// a straight line: the trapezoid, and the second term of Magnus' series for C' = C [omega x], which
-/// halves the drift in a coning motion.
+/// Rotation vector (rad) of `dt` (s) at a body rate that goes from `omega_0` to `omega_1` (rad/s)
+/// on a straight line: the trapezoid, and the second term of Magnus' series for C' = C [omega x],
+/// which halves the drift in a coning motion.
 inline Eigen::Vector3d rotation_vector(const Eigen::Vector3d& omega_0,
                                        const Eigen::Vector3d& omega_1, double dt) {
   return 0.5 * dt * (omega_0 + omega_1) + (dt * dt / 12.0) * omega_0.cross(omega_1);
