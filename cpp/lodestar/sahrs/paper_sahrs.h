@@ -107,6 +107,7 @@ class PaperSahrs {
   FieldCalibration calibration_;
   double epoch_year_;
   earth::CachedField field_model_;
+  double min_cos_pitch_;
   filter::Gate gate_;
   ErrorModel error_model_;
 
