@@ -38,7 +38,7 @@ def test_attitude_holds_on_the_half_that_the_detector_was_not_calibrated_on(
     write_calibration(calibrate(flight, 2012.78, calibrated_on), tmp_path / "smdu.toml")
     answered = navigator.run(
         flight,
-        config_path("umn_thor75.toml").read_text(),
+        config_path("thor75.toml").read_text(),
         (tmp_path / "smdu.toml").read_text(),
     )
     result = score(between(answered, *scored_on), case="thor75")

@@ -45,9 +45,7 @@ class SteadyFlight {
   std::int64_t time_us_ = 0;
 };
 
-AlignmentInput input() {
-  return {kAirspeed, 0.0, 0.0, 0.0, kField_N, kGravity, 0.6 * kDegree, 0.15};
-}
+AlignmentInput input() { return {0.0, kField_N, kGravity, 0.6 * kDegree, 0.15}; }
 
 double angle_between(const math::Euler& e, const Eigen::Matrix3d& C_NB) {
   return Eigen::AngleAxisd(math::C_NB_from_euler(e).transpose() * C_NB).angle();

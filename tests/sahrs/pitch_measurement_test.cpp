@@ -18,12 +18,9 @@ struct Flight {
   double beta;
 };
 
-/// Rate of climb through the air of an aircraft at `C_NB`, by the rotation matrix alone.
-double climb_rate(const Eigen::Matrix3d& C_NB, const Flight& flight) {
-  const Eigen::Vector3d v_air_B(std::cos(flight.alpha) * std::cos(flight.beta),
-                                std::sin(flight.beta),
-                                std::sin(flight.alpha) * std::cos(flight.beta));
-  return -flight.true_airspeed * C_NB.row(2).dot(v_air_B);
+Eigen::Vector3d air_velocity(double V, double alpha, double beta) {
+  return V * Eigen::Vector3d(std::cos(alpha) * std::cos(beta), std::sin(beta),
+                             std::sin(alpha) * std::cos(beta));
 }
 
 const Flight kFlights[] = {
@@ -41,10 +38,12 @@ const Flight kFlights[] = {
 Measurement<1> measure(const Flight& flight, const sahrs_test::StateError& x) {
   const Eigen::Matrix3d C_NB = math::C_NB_from_euler(flight.attitude);
   const Eigen::Matrix3d truth = C_NB * math::exp_so3(x.segment<3>(kAttitude.offset));
-  return pitch_measurement(
-      {flight.true_airspeed, flight.alpha + x(kAlphaBias.offset), flight.beta + x(kBetaBias.offset),
-       climb_rate(truth, flight), Tilt(C_NB)},
-      0.1 * kDegree, {1.0, 99.0});
+  const double climb_rate =
+      -truth.row(2).dot(air_velocity(flight.true_airspeed, flight.alpha, flight.beta));
+  return pitch_measurement({air_velocity(flight.true_airspeed, flight.alpha + x(kAlphaBias.offset),
+                                         flight.beta + x(kBetaBias.offset)),
+                            climb_rate, Tilt(C_NB)},
+                           0.1 * kDegree, {1.0, 99.0});
 }
 
 TEST(PitchMeasurement, IsNoughtAtTheTruePitch) {
@@ -55,9 +54,10 @@ TEST(PitchMeasurement, IsNoughtAtTheTruePitch) {
 
 TEST(PitchMeasurement, OfAClimbWithWingsLevelIsPathAngleAndAngleOfAttack) {
   const double path_angle = 4.0 * kDegree, alpha = 6.0 * kDegree;
-  const Measurement<1> m = pitch_measurement(
-      {100.0, alpha, 0.0, 100.0 * std::sin(path_angle), Tilt(Eigen::Matrix3d::Identity())}, 0.0,
-      {0.0, 0.0});
+  const Measurement<1> m =
+      pitch_measurement({air_velocity(100.0, alpha, 0.0), 100.0 * std::sin(path_angle),
+                         Tilt(Eigen::Matrix3d::Identity())},
+                        0.0, {0.0, 0.0});
   EXPECT_NEAR(m.innovation(0), path_angle + alpha, 1e-14);
 }
 

@@ -12,9 +12,8 @@ using samples::Use;
 namespace {
 
 sahrs::PaperSahrs make_sahrs(const Config& config) {
-  sahrs::PaperSahrs sahrs(config.sahrs,
-                          {config.smdu_calibration.matrix, config.smdu_calibration.bias},
-                          config.earth.geomagnetic_model, config.earth.epoch_year);
+  sahrs::PaperSahrs sahrs(config.sahrs, config.smdu_calibration, config.earth.geomagnetic_model,
+                          config.earth.epoch_year);
   const InitialParameters& initial = config.initial;
   sahrs.set_position(initial.lat, initial.lon, initial.h);
   return sahrs;

@@ -13,9 +13,6 @@ namespace lodestar::sahrs {
 
 /// What the sensors and models say at the moment of the alignment.
 struct AlignmentInput {
-  double true_airspeed;  // m/s
-  double alpha;          // rad
-  double beta;           // rad
   double climb_rate;     // m/s, up
   Eigen::Vector3d b_N;   // nT, of the field model
   double gravity;        // m/s^2

@@ -14,7 +14,8 @@
 namespace lodestar::sahrs {
 namespace {
 
-constexpr double kShortestInterval = 1e-3;      // s, between samples or frames
+constexpr double kShortestInterval = 1e-3;  // s, between samples or frames
+constexpr double kNorthernmost = 89.9 * math::kDegree;
 constexpr double kPatience = 10.0;              // s of a field that contradicts the heading
 constexpr double kDoubt = 0.5 * math::kDegree;  // rad/s, by which its sigma grows after that
 constexpr double kJump = 5.0 * math::kDegree;   // rad, a correction that users are told of
@@ -54,7 +55,7 @@ samples::Use PaperSahrs::update(const samples::AirData& sample) {
   try_alignment();
   Moment moment;
   if (!moment_at(sample.time_us, moment)) return samples::Use::kHeld;
-  if (std::cos(lat_) > 1e-3) {  // at the poles north turns as fast as one likes
+  if (std::abs(lat_) < kNorthernmost) {  // at the poles north turns as fast as one likes
     transport_rate_N_ = earth::transport_rate_N(lat_, h_, moment.C_NB * v_air_B_);
   }
   return update_pitch(moment);
@@ -100,18 +101,19 @@ void PaperSahrs::track_air_data(const samples::AirData& sample) {
 
 samples::Use PaperSahrs::update_pitch(const Moment& moment) {
   const Parameters& p = parameters_;
-  const PitchInput in{air_.true_airspeed, air_.alpha, air_.beta, climb_.rate(), Tilt(moment.C_NB)};
+  const PitchInput in{v_air_B_, climb_.rate(), Tilt(moment.C_NB)};
+  const double V = air_.true_airspeed;
   const double fastest_climb = 0.9 * pitch_plane_airspeed(in);
   const bool valid =
-      holds(in.true_airspeed >= p.min_airspeed, Assumption::kAirspeed) &&
+      holds(V >= p.min_airspeed, Assumption::kAirspeed) &&
       holds(climb_.settled() && std::abs(in.climb_rate) < fastest_climb, Assumption::kClimbRate) &&
-      holds(std::abs(in.beta) <= p.max_sideslip, Assumption::kSideslip) &&
-      holds(in.tilt.cos_pitch >= std::cos(p.max_pitch), Assumption::kPitchAngle);
+      holds(std::abs(air_.beta) <= p.max_sideslip, Assumption::kSideslip) &&
+      holds(in.tilt.cos_pitch >= min_cos_pitch_, Assumption::kPitchAngle);
   if (!valid) return reject(kPitch);
   const double dt = interval(kPitch, moment.pose.time_us);
   const SlowNoise climb_rate =
       SlowNoise::of(p.climb_rate_sigma, 1.0 / p.climb_filter_bandwidth, dt) +
-      SlowNoise::of(p.vertical_wind_sigma, p.vertical_wind_length / in.true_airspeed, dt);
+      SlowNoise::of(p.vertical_wind_sigma, p.vertical_wind_length / V, dt);
   Measurement<1> m = pitch_measurement(in, p.alpha_noise, climb_rate);
   return correct(m, moment, kPitch);
 }
@@ -131,7 +133,7 @@ samples::Use PaperSahrs::update_roll(const Moment& moment, const samples::LoadFa
       holds(std::abs(air_.beta) <= p.max_sideslip, Assumption::kSideslip) &&
       holds(std::abs(sample.n_B.y()) <= p.max_lateral_load, Assumption::kLateralLoad) &&
       holds(in.omega_B.norm() <= p.max_body_rate, Assumption::kBodyRate) &&
-      holds(in.tilt.cos_pitch >= std::cos(p.max_pitch), Assumption::kPitchAngle) &&
+      holds(in.tilt.cos_pitch >= min_cos_pitch_, Assumption::kPitchAngle) &&
       holds(std::abs(size - 1.0) <= p.max_imbalance, Assumption::kBalance);
   if (!valid) return reject(kRoll);
   const SlowNoise neglected = SlowNoise::of(p.neglected_force.sigma, p.neglected_force.tau,

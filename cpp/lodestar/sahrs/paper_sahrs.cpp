@@ -27,6 +27,7 @@ PaperSahrs::PaperSahrs(const Parameters& parameters, const FieldCalibration& cal
       calibration_(calibration),
       epoch_year_(epoch_year),
       field_model_(field_model),
+      min_cos_pitch_(std::cos(parameters.max_pitch)),
       gate_(parameters.false_rejection),
       error_model_(parameters),
       P_(error_model_.initial(Eigen::Vector3d::Constant(math::kPi))),
@@ -96,9 +97,8 @@ void PaperSahrs::try_alignment() {
     return;
   }
   const double bias_sigma = std::sqrt(P_.diagonal().segment<3>(kGyroBias.offset).mean());
-  const std::optional<Aligned> aligned =
-      alignment_.solve({air_.true_airspeed, air_.alpha, air_.beta, climb_.rate(), b_N_, gravity_,
-                        3.0 * bias_sigma, parameters_.max_imbalance});
+  const std::optional<Aligned> aligned = alignment_.solve(
+      {climb_.rate(), b_N_, gravity_, 3.0 * bias_sigma, parameters_.max_imbalance});
   if (!aligned) return;
   const double age = seconds_between(load_us_, now_us_);
   const Eigen::Matrix3d C_NB = math::C_NB_from_euler(aligned->attitude) *

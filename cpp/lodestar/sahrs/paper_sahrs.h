@@ -20,12 +20,6 @@
 
 namespace lodestar::sahrs {
 
-/// b_cal = matrix b_raw + bias (SAHRS paper §5: matrix = I + D, nine of its twelve parameters).
-struct FieldCalibration {
-  Eigen::Matrix3d matrix = Eigen::Matrix3d::Identity();
-  Eigen::Vector3d bias = Eigen::Vector3d::Zero();  // nT
-};
-
 /// Synthetic attitude and heading reference, in the form of the SAHRS paper: nine states, five
 /// measurements. Attitude is a quaternion carried by the body rates with the exact exponential; the
 /// filter estimates its error and folds it in after each measurement.
@@ -113,6 +107,7 @@ class PaperSahrs {
   FieldCalibration calibration_;
   double epoch_year_;
   earth::CachedField field_model_;
+  double min_cos_pitch_;
   filter::Gate gate_;
   ErrorModel error_model_;
 
