@@ -76,6 +76,7 @@ inline StateVector steps() {
   h(kAirspeedBias.offset) = 1e-2;
   part<2>(h, kFlowBias).setConstant(1e-4);
   part<2>(h, kFlowScale).setConstant(1e-4);
+  h(kPadding.offset) = 1.0;
   return h;
 }
 

@@ -21,10 +21,10 @@ Eigen::Vector3d attitude_error(const VelocityFilter& filter, const SimulatedFlig
 }
 
 /// A filter on a flight; field and air data come with every second body rates, `delay_frames` late.
-class Run {
+class FilteredFlight {
  public:
-  Run(SimulatedFlight flight, const Eigen::Vector3d& start_error_B, const Eigen::Vector3d& sigma_B,
-      std::size_t delay_frames = 0)
+  FilteredFlight(SimulatedFlight flight, const Eigen::Vector3d& start_error_B,
+                 const Eigen::Vector3d& sigma_B, std::size_t delay_frames = 0)
       : flight_(std::move(flight)),
         filter_(std::make_unique<VelocityFilter>(Parameters{})),
         delay_frames_(delay_frames) {
@@ -82,26 +82,26 @@ class Run {
 
 const Eigen::Vector3d kSharp = kDegree * Eigen::Vector3d(0.1, 0.1, 0.1);
 
-Run fighter_run(std::uint32_t seed, double delay_s = 0.0) {
+FilteredFlight fighter_run(std::uint32_t seed, double delay_s = 0.0) {
   std::mt19937 generator(seed);
   const SensorErrors errors = SensorErrors::fighter(generator);
   std::normal_distribution<double> normal(0.0, kSharp.x());
   const Eigen::Vector3d start(normal(generator), normal(generator), normal(generator));
-  return Run(SimulatedFlight(0.0, 35.0 * kDegree, 0.4 * seed, errors, seed + 1000), start, kSharp,
-             static_cast<std::size_t>(std::lround(60.0 * delay_s)));
+  return FilteredFlight(SimulatedFlight(0.0, 35.0 * kDegree, 0.4 * seed, errors, seed + 1000),
+                        start, kSharp, static_cast<std::size_t>(std::lround(60.0 * delay_s)));
 }
 
 TEST(VelocityFilter, FollowsPerfectSensorsThroughTurns) {
-  Run run(SimulatedFlight(0.0, 45.0 * kDegree, 1.0, SensorErrors{}, 1), Eigen::Vector3d::Zero(),
-          kSharp);
+  FilteredFlight run(SimulatedFlight(0.0, 45.0 * kDegree, 1.0, SensorErrors{}, 1),
+                     Eigen::Vector3d::Zero(), kSharp);
   run.fly(240.0);
   // Nothing is wrong but the trapezoid's remainder.
   EXPECT_LT(run.error_degrees(), 0.02);
 }
 
 TEST(VelocityFilter, FollowsPerfectSensorsUpsideDown) {
-  Run run(SimulatedFlight(180.0 * kDegree, 20.0 * kDegree, 2.0, SensorErrors{}, 1),
-          Eigen::Vector3d::Zero(), kSharp);
+  FilteredFlight run(SimulatedFlight(180.0 * kDegree, 20.0 * kDegree, 2.0, SensorErrors{}, 1),
+                     Eigen::Vector3d::Zero(), kSharp);
   run.fly(120.0);
   EXPECT_LT(run.error_degrees(), 0.02);
 }
@@ -109,7 +109,8 @@ TEST(VelocityFilter, FollowsPerfectSensorsUpsideDown) {
 TEST(VelocityFilter, FindsTheGyroBias) {
   SensorErrors errors;
   errors.gyro_bias_B << 0.3 * kDegree, -0.2 * kDegree, 0.25 * kDegree;
-  Run run(SimulatedFlight(0.0, 35.0 * kDegree, 1.0, errors, 1), Eigen::Vector3d::Zero(), kSharp);
+  FilteredFlight run(SimulatedFlight(0.0, 35.0 * kDegree, 1.0, errors, 1), Eigen::Vector3d::Zero(),
+                     kSharp);
   run.fly(120.0);
   EXPECT_LT((run.filter().estimate().gyro_bias_B - errors.gyro_bias_B).norm(), 0.02 * kDegree);
 }
@@ -117,8 +118,8 @@ TEST(VelocityFilter, FindsTheGyroBias) {
 TEST(VelocityFilter, FindsTheHardIronByTurning) {
   SensorErrors errors;
   errors.field_bias_B << 600.0, -500.0, 0.0;
-  Run run(SimulatedFlight(0.0, 40.0 * kDegree, 1.0, errors, 1), Eigen::Vector3d::Zero(),
-          kDegree * Eigen::Vector3d(0.5, 0.5, 2.0));
+  FilteredFlight run(SimulatedFlight(0.0, 40.0 * kDegree, 1.0, errors, 1), Eigen::Vector3d::Zero(),
+                     kDegree * Eigen::Vector3d(0.5, 0.5, 2.0));
   run.fly(240.0);
   const Estimate x = run.filter().estimate();
   EXPECT_LT((x.field_bias_B + x.field_drift_B - errors.field_bias_B).head<2>().norm(), 100.0);
@@ -130,7 +131,7 @@ TEST(VelocityFilter, SigmaCoversTheErrorOverManyFlights) {
   int within_one = 0;
   int within_two = 0;
   for (std::uint32_t seed = 0; seed < kFlights; ++seed) {
-    Run run = fighter_run(seed);
+    FilteredFlight run = fighter_run(seed);
     run.fly(150.0);
     nees += run.nees();
     const Eigen::Vector3d sigma = run.filter().attitude_covariance_B().diagonal().cwiseSqrt();
@@ -151,7 +152,7 @@ TEST(VelocityFilter, SigmaCoversTheErrorOverManyFlights) {
 
 TEST(VelocityFilter, LateMeasurementsAreAppliedAtTheirOwnTime) {
   for (const double delay : {0.1, 0.5, 0.9}) {
-    Run run = fighter_run(3, delay);
+    FilteredFlight run = fighter_run(3, delay);
     run.fly(150.0);
     // Half a second at 2 deg/s would be one degree.
     EXPECT_LT(run.error_degrees(), 0.6) << delay;
@@ -162,9 +163,11 @@ TEST(VelocityFilter, LateMeasurementsAreAppliedAtTheirOwnTime) {
 TEST(VelocityFilter, LearnsHowGustyTheAirIs) {
   std::mt19937 generator(5);
   SensorErrors errors = SensorErrors::fighter(generator);
-  Run calm(SimulatedFlight(0.0, 30.0 * kDegree, 1.0, errors, 7), Eigen::Vector3d::Zero(), kSharp);
+  FilteredFlight calm(SimulatedFlight(0.0, 30.0 * kDegree, 1.0, errors, 7), Eigen::Vector3d::Zero(),
+                      kSharp);
   errors.gust_sigma = 2.0;
-  Run rough(SimulatedFlight(0.0, 30.0 * kDegree, 1.0, errors, 7), Eigen::Vector3d::Zero(), kSharp);
+  FilteredFlight rough(SimulatedFlight(0.0, 30.0 * kDegree, 1.0, errors, 7),
+                       Eigen::Vector3d::Zero(), kSharp);
   calm.fly(180.0);
   rough.fly(180.0);
   EXPECT_LT(calm.filter().gust_sigma(), 0.3);
@@ -173,7 +176,7 @@ TEST(VelocityFilter, LearnsHowGustyTheAirIs) {
 }
 
 TEST(VelocityFilter, AnIcedPitotIsGatedAndDoesNotBendTheAttitude) {
-  Run run = fighter_run(4);
+  FilteredFlight run = fighter_run(4);
   run.fly(90.0);
   run.iced = true;
   run.fly(60.0);
@@ -184,7 +187,7 @@ TEST(VelocityFilter, AnIcedPitotIsGatedAndDoesNotBendTheAttitude) {
 }
 
 TEST(VelocityFilter, AMagnetNearbyIsGatedAndHeadingHolds) {
-  Run run = fighter_run(5);
+  FilteredFlight run = fighter_run(5);
   run.fly(120.0);
   run.magnet = true;
   run.fly(60.0);
@@ -196,7 +199,7 @@ TEST(VelocityFilter, AMagnetNearbyIsGatedAndHeadingHolds) {
 }
 
 TEST(VelocityFilter, CoastsWithoutLoadFactorAndSigmaKnows) {
-  Run run = fighter_run(6);
+  FilteredFlight run = fighter_run(6);
   run.fly(120.0);
   const double before = run.filter().attitude_covariance_B().trace();
   run.drop_load = true;
@@ -206,7 +209,7 @@ TEST(VelocityFilter, CoastsWithoutLoadFactorAndSigmaKnows) {
 }
 
 TEST(VelocityFilter, CoastsWithoutAirDataAndRecovers) {
-  Run run = fighter_run(7);
+  FilteredFlight run = fighter_run(7);
   run.fly(120.0);
   run.drop_air = true;
   run.fly(60.0);
@@ -228,8 +231,8 @@ TEST(VelocityFilter, AirDataBelowTheLeastAirspeedAreNotUsed) {
 }
 
 TEST(VelocityFilter, SameInputSameBits) {
-  Run one = fighter_run(8);
-  Run two = fighter_run(8);
+  FilteredFlight one = fighter_run(8);
+  FilteredFlight two = fighter_run(8);
   one.fly(20.0);
   two.fly(20.0);
   EXPECT_EQ((one.filter().estimate().C_NB - two.filter().estimate().C_NB).norm(), 0.0);

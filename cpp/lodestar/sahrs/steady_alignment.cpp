@@ -13,7 +13,7 @@ constexpr double kDuration = 5.0;                         // s
 constexpr double kRateSpread = 3.0 * math::kDegree;       // rad/s, of steady flight
 constexpr double kLargestGyroBias = 1.0 * math::kDegree;  // rad/s, that rates may disagree by
 
-constexpr double kWeakestField = 1000.0;                  // nT, horizontal
+constexpr double kWeakestField = 1000.0;  // nT, horizontal
 
 }  // namespace
 

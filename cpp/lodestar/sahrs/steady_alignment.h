@@ -19,10 +19,10 @@ struct MomentVectors {
   double gravity;           // m/s^2
 };
 
-/// C_NB without any history: down is g0 n_B + omega_B x v_air_B (the equation of motion of the SAHRS
-/// paper, §3.2, with V' = 0), heading turns the field into the model's vertical plane. Nothing if
-/// what should be gravity is off its size by more than `max_imbalance` (1 = gravity): the aircraft
-/// is then manoeuvring; or if the horizontal field is too weak to point anywhere.
+/// C_NB without any history: down is g0 n_B + omega_B x v_air_B (the equation of motion of the
+/// SAHRS paper, §3.2, with V' = 0), heading turns the field into the model's vertical plane.
+/// Nothing if what should be gravity is off its size by more than `max_imbalance` (1 = gravity):
+/// the aircraft is then manoeuvring; or if the horizontal field is too weak to point anywhere.
 std::optional<Eigen::Matrix3d> attitude_of(const MomentVectors& in, double max_imbalance);
 
 /// Attitude from a few seconds of steady flight, straight or turning, without the gyros' bias in

@@ -138,7 +138,7 @@ void VelocitySahrs::try_alignment() {
     steady_.restart();
   }
   const MomentVectors in{omega_B_,   load_.n_B, strapdown::air_velocity_B(air_),
-                          field_.b_B, b_N_,      gravity_};
+                         field_.b_B, b_N_,      gravity_};
   const std::optional<Eigen::Matrix3d> steady = steady_.add(now_us_, in, parameters_.max_imbalance);
   if (steady) {
     align_to(*steady, kSteadySigma_B);

@@ -21,9 +21,9 @@ struct Parameters {
   double load_noise = 0.0026;                      // g0/sqrt(Hz)
   double load_bias_sigma = 0.01;                   // g0
 
-  // Magnetic field.
+  // Magnetic field. The drift is that of the sensor, 60 nT, and the error of the field model.
   double field_noise = 80.0;                  // nT
-  math::GaussMarkov field_drift{60.0, 60.0};  // nT, s
+  math::GaussMarkov field_drift{65.0, 60.0};  // nT, s
   double field_bias_sigma = 500.0;            // nT
   double field_matrix_sigma = 0.003;
 
@@ -46,7 +46,7 @@ struct Parameters {
   double gust_sigma = 2.0;           // m/s, at the start
   double gust_sigma_min = 0.05;      // m/s
   double gust_sigma_max = 8.0;       // m/s
-  double gust_adaptation = 10.0;     // s
+  double gust_adaptation = 3.0;      // s
 
   double gate_false_rejection = 1e-5;
 
