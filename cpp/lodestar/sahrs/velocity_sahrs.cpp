@@ -10,8 +10,6 @@
 namespace lodestar::sahrs {
 namespace {
 
-using strapdown::VelocityFilter;
-
 constexpr double kLongestBridge = 0.5;            // s without body rates that are bridged
 constexpr double kLongestFrame = 0.05;            // s; a longer frame has lost samples
 constexpr std::int64_t kFresh_us = 200'000;       // a sample this old still speaks of now
@@ -183,13 +181,6 @@ void VelocitySahrs::finish_frame() {
       variance_N.z() <= square(parameters_.max_valid_heading_sigma);
   attitude_.valid = state_ == State::kRunning && certain;
   attitude_.mode = mode(certain);
-  constexpr std::array<VelocityFilter::Row, kRows> kPublished = {
-      VelocityFilter::kFieldX, VelocityFilter::kFieldY, VelocityFilter::kFieldZ,
-      VelocityFilter::kAlpha, VelocityFilter::kBeta};
-  for (std::size_t i = 0; i < kRows; ++i) {
-    innovation_[i] = filter_.innovation()[kPublished[i]];
-    innovation_sigma_[i] = filter_.innovation_sigma()[kPublished[i]];
-  }
 }
 
 samples::AttitudeMode VelocitySahrs::mode(bool certain) const {

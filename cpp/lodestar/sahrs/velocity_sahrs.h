@@ -22,10 +22,9 @@ namespace lodestar::sahrs {
 /// is alike. Same interface and same conditions on its samples as PaperSahrs.
 class VelocitySahrs {
  public:
-  /// Measurements, in the order of `innovation`.
-  enum Row { kFieldX, kFieldY, kFieldZ, kAlpha, kBeta };
-  static constexpr int kRows = 5;
-  using Rows = std::array<double, kRows>;  // nT x3 in B, rad x2
+  /// Measurements, in the order of the bits of Attitude::used and of `innovation`.
+  static constexpr int kRows = strapdown::VelocityFilter::kRows;
+  using Rows = strapdown::VelocityFilter::Rows;  // nT x3 in B, m/s, rad x2, m
 
   /// Of `parameters` only the limits of alignment and validity count: max_imbalance, max_valid_*.
   VelocitySahrs(const Parameters& parameters, const strapdown::Parameters& filter_parameters,
@@ -48,15 +47,14 @@ class VelocitySahrs {
   samples::Use update(const samples::MagneticField& sample);
   samples::Use update(const samples::AirData& sample);
 
-  /// Brings `attitude` up to date, after the last update of a frame. The bits of `used` and
-  /// `rejected` are those of strapdown::VelocityFilter::Row.
+  /// Brings `attitude` up to date, after the last update of a frame.
   void finish_frame();
   const samples::Attitude& attitude() const { return attitude_; }
 
   /// Latest innovations, measured minus predicted, and their standard deviations; 0 before the
   /// first.
-  const Rows& innovation() const { return innovation_; }
-  const Rows& innovation_sigma() const { return innovation_sigma_; }
+  const Rows& innovation() const { return filter_.innovation(); }
+  const Rows& innovation_sigma() const { return filter_.innovation_sigma(); }
   /// How often each assumption kept a measurement out. Only that of a least airspeed is made, by
   /// the air data, and that of balance, by the alignment.
   const std::array<std::int64_t, kAssumptions>& assumption_rejects() const {
@@ -101,8 +99,6 @@ class VelocitySahrs {
   samples::AirData air_;
 
   samples::Attitude attitude_;
-  Rows innovation_{};
-  Rows innovation_sigma_{};
   std::array<std::int64_t, kAssumptions> assumption_rejects_{};
 };
 
