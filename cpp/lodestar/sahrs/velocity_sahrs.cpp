@@ -16,11 +16,12 @@ constexpr double kLongestFrame = 0.05;            // s; a longer frame has lost 
 constexpr std::int64_t kFresh_us = 500'000;       // a sample this old still speaks of now
 constexpr std::int64_t kCoasting_us = 2'000'000;  // without any measurement: coasting
 
-constexpr std::int64_t kPatience_us = 10'000'000;  // with a field that is not believed
-constexpr double kDoubt = 0.5 * math::kDegree;     // rad/s that sigma then grows by
-constexpr double kLost = 30.0 * math::kDegree;     // sigma beyond which linear filtering ends
-constexpr double kClimbBandwidth = 1.0;            // rad/s, for the alignment only
-constexpr double kCoarse = 2.0 * math::kDegree;    // heading worse than this is refined
+constexpr std::int64_t kPatience_us = 10'000'000;     // with a field that is not believed
+constexpr double kDoubt = 0.5 * math::kDegree;        // rad/s that sigma then grows by
+constexpr double kLost = 30.0 * math::kDegree;        // sigma beyond which linear filtering ends
+constexpr std::int64_t kLongestWait_us = 10'000'000;  // for straight flight to align in
+constexpr double kClimbBandwidth = 1.0;               // rad/s, for the alignment only
+constexpr double kCoarse = 2.0 * math::kDegree;       // heading worse than this is refined
 constexpr std::int64_t kLongestHold_us = 60'000'000;
 constexpr double kFine = 1.0 * math::kDegree;  // until it is as good as that
 
@@ -165,6 +166,9 @@ void VelocitySahrs::try_alignment() {
     ++assumption_rejects_[static_cast<std::size_t>(Assumption::kBalance)];
     return;
   }
+  if (alignable_us_ == 0) alignable_us_ = now_us_;
+  if (!aligned->averaged && now_us_ - alignable_us_ < kLongestWait_us) return;
+  alignable_us_ = 0;
   align_to(*aligned);
 }
 

@@ -89,6 +89,7 @@ class VelocitySahrs {
   std::int64_t started_us_ = 0;
   bool lost_ = false;  // running, but so uncertain that an alignment is better
   std::int64_t field_used_us_ = 0;
+  std::int64_t alignable_us_ = 0;  // since when a turn has been all there was to align in; 0: none
   Alignment alignment_;
   RateFilter climb_;
   // The latest of each channel.
