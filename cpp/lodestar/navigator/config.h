@@ -11,6 +11,7 @@
 #include "lodestar/fusion/cascade_parameters.h"
 #include "lodestar/math/parameter.h"
 #include "lodestar/math/rotation.h"
+#include "lodestar/monitor/parameters.h"
 #include "lodestar/sahrs/parameters.h"
 
 namespace lodestar::navigator {
@@ -101,6 +102,7 @@ struct Config {
   sahrs::FieldCalibration smdu_calibration;
   sahrs::Parameters sahrs;
   fusion::CascadeParameters cascade;
+  monitor::InsMonitorParameters ins_monitor;
   std::uint32_t hash = 0;  // CRC-32 of the text it was read from; 0 for the built-in defaults
 
   /// Calls `section(name, parameters)` for each section, in the order of the docs.
@@ -112,6 +114,7 @@ struct Config {
     section("smdu_calibration", self.smdu_calibration);
     section("sahrs", self.sahrs);
     section("fusion.cascade", self.cascade);
+    section("monitor.ins", self.ins_monitor);
   }
 };
 

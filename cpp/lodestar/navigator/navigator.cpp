@@ -11,6 +11,8 @@ using samples::Use;
 
 namespace {
 
+constexpr std::int64_t kMonitorStep = kSecond / 10;  // between two INS.MONITOR
+
 sahrs::PaperSahrs make_sahrs(const Config& config) {
   sahrs::PaperSahrs sahrs(config.sahrs, config.smdu_calibration, config.earth.geomagnetic_model,
                           config.earth.epoch_year);
@@ -36,8 +38,10 @@ fusion::Cascade make_cascade(const Config& config) {
 
 Navigator::Navigator(const Config& config)
     : config_(config),
+      field_model_(config.earth.geomagnetic_model),
       sahrs_(make_sahrs(config)),
       cascade_(make_cascade(config)),
+      ins_monitor_(config.ins_monitor, config.timeout.ins),
       body_rates_(config.timeout.body_rates),
       inputs_({Channel::kLoadFactor, config.timeout.load_factor},
               {Channel::kMagneticField, config.timeout.magnetic_field},
@@ -128,6 +132,7 @@ void Navigator::start_over() {
   restarts_ = static_cast<std::int16_t>(outputs_.sahrs.reset_count + 1);
   sahrs_ = make_sahrs(config_);
   cascade_ = make_cascade(config_);
+  ins_monitor_ = monitor::InsMonitor(config_.ins_monitor, config_.timeout.ins);
   body_rates_.restart();
   const auto restart = [](auto& input) {
     input.watch.restart();
@@ -136,6 +141,7 @@ void Navigator::start_over() {
   };
   std::apply([&](auto&... input) { (restart(input), ...); }, inputs_);
   next_health_us_ = 0;
+  next_monitor_us_ = 0;
 }
 
 void Navigator::estimate(const samples::BodyRates& rates) {
@@ -144,7 +150,11 @@ void Navigator::estimate(const samples::BodyRates& rates) {
   sahrs_.finish_frame();
   cascade_.propagate(sahrs_.attitude());
   apply_in_order(std::get<3>(inputs_));
+  ins_monitor_.propagate(sahrs_.attitude());
   apply_in_order(std::get<4>(inputs_));
+  if (const auto heading = ins_monitor_.take_failure()) {
+    cascade_.know_heading_error(heading->error, heading->sigma, heading->time_us);
+  }
   std::apply([this](auto&... input) { (drop_future(input), ...); }, inputs_);
   const samples::Navigation& nav = cascade_.navigation();
   if (nav.valid) sahrs_.set_position(nav.lat, nav.lon, nav.h);
@@ -231,6 +241,10 @@ void Navigator::publish(std::int64_t time_us, bool first) {
   const bool bridged = time_us - rates_us_ <= kLongestCoast;
   outputs_.sahrs.valid = outputs_.sahrs.valid && bridged;
   outputs_.nav.valid = outputs_.nav.valid && bridged;
+  outputs_.ins_monitor = ins_monitor_.state();
+  outputs_.ins_monitor.time_us = time_us;
+  outputs_.ins_monitor_due = first || time_us >= next_monitor_us_;
+  if (outputs_.ins_monitor_due) next_monitor_us_ = (time_us / kMonitorStep + 1) * kMonitorStep;
   outputs_.health_due = first || time_us >= next_health_us_;
   if (outputs_.health_due) next_health_us_ = (time_us / kSecond + 1) * kSecond;
 }
@@ -262,6 +276,10 @@ samples::Health Navigator::health() const {
     health.innovation_sigma[row] = cascade_.innovation_sigma()(axis);
   }
   health.assumption_rejects = sahrs_.assumption_rejects();
+  const double h = outputs_.nav.valid ? outputs_.nav.h : config_.initial.h;
+  if (!field_model_.validity(config_.earth.epoch_year, h).valid()) {
+    health.warning = samples::kWarningFieldModel;
+  }
   return health;
 }
 

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 EXAMPLE = "Example: lodestar watch, and lodestar fly --realtime --bus default in another terminal"
 
 _PERIOD_S = 0.2
-_CHANNELS = ("SAHRS", "NAV", "TRUTH", "HEALTH")
+_CHANNELS = ("SAHRS", "NAV", "TRUTH", "HEALTH", "INS.MONITOR")
 
 
 def command(
@@ -43,6 +43,8 @@ def _table(latest: dict[str, Any]) -> Table:
 
     from rich.table import Table
 
+    from lodestar.channels import INS_STATES, WARNINGS
+
     table = Table(title="Waiting for a flight" if not latest else None)
     for name in ("", *_CHANNELS[:3]):
         table.add_column(name, justify="right", min_width=12)
@@ -66,5 +68,9 @@ def _table(latest: dict[str, Any]) -> Table:
             f"received {sum(health.received)}, used {sum(health.used)}, "
             f"rejected {sum(map(sum, health.rejected))}, "
             f"frame {health.cycle_mean * 1e6:.1f} us mean, {health.cycle_max * 1e6:.1f} us max"
+            + "".join(f"\nWARNING: {text}" for bit, text in WARNINGS.items() if health.warning & bit)
         )
+    monitor = latest.get("INS.MONITOR")
+    if monitor is not None:
+        table.title = f"INS: {INS_STATES[monitor.state]}"
     return table
