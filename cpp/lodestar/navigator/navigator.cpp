@@ -217,7 +217,10 @@ Use Navigator::apply(const samples::AirData& sample) {
 
 // Never an input of SAHRS: who watches the INS, or learns from it for the next flight, takes it
 // here.
-Use Navigator::apply(const samples::InsSolution&) { return Use::kHeld; }
+Use Navigator::apply(const samples::InsSolution& sample) {
+  ins_monitor_.compare(sample);
+  return Use::kHeld;
+}
 
 template <class AnyInput>
 void Navigator::drop_future(AnyInput& input) {
@@ -241,9 +244,11 @@ void Navigator::publish(std::int64_t time_us, bool first) {
   const bool bridged = time_us - rates_us_ <= kLongestCoast;
   outputs_.sahrs.valid = outputs_.sahrs.valid && bridged;
   outputs_.nav.valid = outputs_.nav.valid && bridged;
+  const samples::InsState before = outputs_.ins_monitor.state;
   outputs_.ins_monitor = ins_monitor_.state();
   outputs_.ins_monitor.time_us = time_us;
-  outputs_.ins_monitor_due = first || time_us >= next_monitor_us_;
+  const bool news = outputs_.ins_monitor.state != before;
+  outputs_.ins_monitor_due = first || news || time_us >= next_monitor_us_;
   if (outputs_.ins_monitor_due) next_monitor_us_ = (time_us / kMonitorStep + 1) * kMonitorStep;
   outputs_.health_due = first || time_us >= next_health_us_;
   if (outputs_.health_due) next_health_us_ = (time_us / kSecond + 1) * kSecond;

@@ -22,7 +22,7 @@ struct Outputs {
   samples::Attitude sahrs;
   samples::Navigation nav;
   samples::InsMonitor ins_monitor;
-  bool ins_monitor_due = false;  // ten times per second of flight time, and on the first frame
+  bool ins_monitor_due = false;  // ten times a second, and at once on a change of state
   bool health_due = false;       // once per second of flight time, and on the first frame
 };
 
