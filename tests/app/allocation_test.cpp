@@ -115,7 +115,7 @@ TEST_F(Allocation, DoesNotHappenInTheFramePath) {
   EXPECT_EQ(allocations, before);
   EXPECT_EQ(path.frames, 600);
   EXPECT_EQ(path.healths, 10);
-  EXPECT_EQ(path.sent, 2 * path.frames + path.healths);
+  EXPECT_EQ(path.sent, 2 * path.frames + 10 * 10 + path.healths);
 }
 
 TEST_F(Allocation, DoesNotHappenWhenTheTimeBaseJumps) {

@@ -56,25 +56,6 @@ def wmm() -> dict[str, NDArray[np.float64]]:
         *("year", "altitude", "lat", "lon", "D", "I", "H", "X", "Y", "Z", "F"),
         *("dD", "dI", "dH", "dX", "dY", "dZ", "dF"),
     )
-        "year",
-        "altitude",
-        "lat",
-        "lon",
-        "D",
-        "I",
-        "H",
-        "X",
-        "Y",
-        "Z",
-        "F",
-        "dD",
-        "dI",
-        "dH",
-        "dX",
-        "dY",
-        "dZ",
-        "dF",
-    ]
     return dict(zip(names, load("WMM2025_TEST_VALUES.txt").T, strict=True))
 
 

@@ -64,12 +64,15 @@ def _table(latest: dict[str, Any]) -> Table:
         table.add_row(label, *("" if value is None else show(value) for value in found))
     health = latest.get("HEALTH")
     if health is not None:
-        table.caption = (
+        caption = (
             f"received {sum(health.received)}, used {sum(health.used)}, "
             f"rejected {sum(map(sum, health.rejected))}, "
             f"frame {health.cycle_mean * 1e6:.1f} us mean, {health.cycle_max * 1e6:.1f} us max"
-            + "".join(f"\nWARNING: {text}" for bit, text in WARNINGS.items() if health.warning & bit)
         )
+        for bit, text in WARNINGS.items():
+            if health.warning & bit:
+                caption += f"\nWARNING: {text}"
+        table.caption = caption
     monitor = latest.get("INS.MONITOR")
     if monitor is not None:
         table.title = f"INS: {INS_STATES[monitor.state]}"
