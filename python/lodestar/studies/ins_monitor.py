@@ -31,7 +31,7 @@ Row = dict[str, Any]
 Array = NDArray[np.float64]
 
 SCENARIOS = ("ordinary", "turbulence", "hard")
-N_FAULTY = 4
+N_FAULTY = 10
 RAMP_DEG_S = 0.5
 LIMITS_DEG = {"roll": 5.0, "pitch": 5.0, "heading": 10.0}
 _NO_INS, _MISCOMPARE = 0, 3
@@ -150,7 +150,9 @@ def detection_rows(case: str, detections: list[Detection]) -> Iterator[Row]:
         label = f"{case}/{name}"
         yield _row(label, "faults", len(found))
         yield _row(label, "undetected", sum(d.time_s == inf for d in found), 0)
-        yield _row(label, "time_to_alarm_max_s", max(d.time_s for d in found))
+        seen = [d.time_s for d in found if d.time_s < inf]
+        if seen:
+            yield _row(label, "time_to_alarm_max_s", max(seen))
         error = np.array([detection.error_deg for detection in found])
         for axis, (field, limit) in enumerate(LIMITS_DEG.items()):
             if found[0].fault.field in ("", field):
