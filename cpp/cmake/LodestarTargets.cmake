@@ -13,7 +13,8 @@ endif()
 # multiply-add is never contracted behind our back.
 add_compile_options(-ffp-contract=off)
 if(LODESTAR_SANITIZE)
-  add_compile_options(-fsanitize=${LODESTAR_SANITIZE} -fno-omit-frame-pointer -g)
+  add_compile_options(-fsanitize=${LODESTAR_SANITIZE} -fno-sanitize-recover=all
+                      -fno-omit-frame-pointer -g)
   add_link_options(-fsanitize=${LODESTAR_SANITIZE})
 endif()
 

@@ -118,6 +118,17 @@ TEST_F(Allocation, DoesNotHappenInTheFramePath) {
   EXPECT_EQ(path.sent, 2 * path.frames + path.healths);
 }
 
+TEST_F(Allocation, DoesNotHappenWhenTheTimeBaseJumps) {
+  const std::vector<Sent> late = level_flight(5, 3600);
+  const std::vector<Sent> early = level_flight(5);
+  FlightPath path;
+  const std::size_t before = allocations;
+  for (const Sent& message : late) path.receive(message);
+  for (const Sent& message : early) path.receive(message);
+  EXPECT_EQ(allocations, before);
+  EXPECT_GT(path.frames, 300 + 250);  // the second flight was taken up, all but its first frames
+}
+
 TEST_F(Allocation, DoesNotHappenForBadMessagesEither) {
   const std::vector<Sent> flight = level_flight(10);
   std::vector<Sent> damaged = flight;

@@ -32,7 +32,7 @@ Sent sent(samples::Channel channel, const Wire& message) {
   return result;
 }
 
-inline std::vector<Sent> level_flight(int seconds) {
+inline std::vector<Sent> level_flight(int seconds, int start = 1) {
   using samples::Channel;
   constexpr double kSpeed = 200.0;                        // m/s
   constexpr double kField[3] = {15e3, 1200.0, 48e3};      // nT
@@ -40,7 +40,8 @@ inline std::vector<Sent> level_flight(int seconds) {
   constexpr double kLatStart = 1.0036;                    // rad
   std::vector<Sent> messages;
   for (int frame = 0; frame < seconds * 60; ++frame) {
-    const std::int64_t time_us = 1'000'000 + std::int64_t{frame} * 1'000'000 / 60;
+    const std::int64_t time_us =
+        start * std::int64_t{1'000'000} + frame * std::int64_t{1'000'000} / 60;
     const double ripple = std::sin(0.7 * frame);
     const double distance = kSpeed * frame / 60.0;
     const double lat = kLatStart + distance / 6.38e6;

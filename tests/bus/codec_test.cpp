@@ -188,7 +188,21 @@ TEST(Codec, TakesOnlyZeroAndOneForABoolean) {
   }
 }
 
-TEST(Codec, LeavesValuesToTheValidityChecks) {
+TEST(Codec, RefusesTimesThatArithmeticCannotHold) {
+  constexpr std::int64_t kLimit = std::int64_t{1} << 61;
+  body_rates_t rates = wire_body_rates();
+  for (const std::int64_t good : {-kLimit, std::int64_t{-1}, std::int64_t{0}, kLimit}) {
+    rates.time_us = good;
+    EXPECT_EQ(decoded<samples::BodyRates>(Channel::kBodyRates, rates).time_us, good);
+  }
+  for (const std::int64_t bad : {-kLimit - 1, kLimit + 1, std::numeric_limits<std::int64_t>::min(),
+                                 std::numeric_limits<std::int64_t>::max()}) {
+    rates.time_us = bad;
+    EXPECT_EQ(refusal_of(Channel::kBodyRates, bytes_of(rates)), Reason::kOutOfRange) << bad;
+  }
+}
+
+TEST(Codec, LeavesMeasuredValuesToTheValidityChecks) {
   body_rates_t rates = wire_body_rates();
   rates.omega_B[1] = std::numeric_limits<double>::quiet_NaN();
   EXPECT_EQ(samples::refusal(decoded<samples::BodyRates>(Channel::kBodyRates, rates)),

@@ -184,7 +184,13 @@ def test_without_the_flight_computer_one_line_says_so(lodestar, tmp_path, monkey
 def test_ctrl_c_keeps_what_was_recorded_and_says_so(tmp_path):
     command = [*PROGRAM, "fly", "ordinary", "--realtime"]
     process = subprocess.Popen(
-        command, cwd=tmp_path, stderr=subprocess.PIPE, text=True, start_new_session=True
+        command,
+        cwd=tmp_path,
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+        # A shell's background job has SIGINT ignored, and its children inherit that.
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
     )
     log = tmp_path / "out/ordinary/flight.lcm"
     while not log.exists() or log.stat().st_size < 100_000:

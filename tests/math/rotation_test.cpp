@@ -21,7 +21,7 @@ class Rotation : public testing::Test {
     for (int i = 0; i < 100; ++i) {
       const Eigen::Vector3d direction =
           Eigen::Vector3d(normal(generator), normal(generator), normal(generator)).normalized();
-      for (const double angle : {1e-300, 1e-15, 1e-9, 0.99e-4, 1.01e-4, 0.1, 2.0, kPi - 1e-9}) {
+      for (const double angle : {1e-300, 1e-15, 1e-9, 0.0316, 0.0317, 0.1, 2.0, kPi - 1e-9}) {
         vectors_.push_back(angle * direction);
       }
     }

@@ -86,7 +86,7 @@ TEST(Config, ACalibrationFileHoldsNothingElse) {
   apply_calibration(config, "[smdu_calibration]\nbias_nT = [1, 2, 3]\n", "smdu.toml");
   EXPECT_EQ(config.smdu_calibration.bias.z(), 3.0);
   EXPECT_NE(calibration_id(config.smdu_calibration), 0u);
-  EXPECT_EQ(calibration_id(SmduCalibration{}), 0u);
+  EXPECT_EQ(calibration_id(sahrs::FieldCalibration{}), 0u);
   EXPECT_THROW(apply_calibration(config, "[earth]\nepoch_year = 2026\n", "smdu.toml"), ConfigError);
   EXPECT_THROW(apply_calibration(config, "", "smdu.toml"), ConfigError);
 }

@@ -22,6 +22,9 @@ namespace {
 using samples::Channel;
 using samples::Reason;
 
+// us, either way (73 000 years): the difference of any two such times fits an int64_t.
+constexpr std::int64_t kTimeLimit = std::int64_t{1} << 61;
+
 Eigen::Vector3d vector(const double (&v)[3]) { return Eigen::Vector3d(v[0], v[1], v[2]); }
 
 template <int kSize>
@@ -149,6 +152,7 @@ Decoded decode_as(const void* data, std::size_t size) {
   }
   Sample sample;
   if (wire.decode(data, 0, expected) != expected || !convert(wire, sample)) return Reason::kDecode;
+  if (sample.time_us < -kTimeLimit || sample.time_us > kTimeLimit) return Reason::kOutOfRange;
   return sample;
 }
 

@@ -20,8 +20,9 @@ using Decoded =
                  samples::InsSolution, samples::SarMeasurement, samples::RadarAltitude>;
 
 /// The border between the bus and the core. Nothing is believed: the message must have exactly the
-/// size and the fingerprint of the channel's type, the decoder must use every byte of it, and a
-/// boolean must be 0 or 1. Values are checked later, with samples::refusal().
+/// size and the fingerprint of the channel's type, the decoder must use every byte of it, a boolean
+/// must be 0 or 1, and the time such that arithmetic with it cannot overflow. Other values are
+/// checked later, with samples::refusal().
 ///
 /// `data` may be anything of `size` bytes. Allocates nothing, throws nothing.
 Decoded decode(samples::Channel channel, const void* data, std::size_t size) noexcept;

@@ -42,10 +42,11 @@ inline Eigen::Matrix3d skew(const Eigen::Vector3d& v) {
 inline Eigen::Quaterniond exp_quaternion(const Eigen::Vector3d& phi) {
   const double angle_squared = phi.squaredNorm();
   double w = 0.0;
-  double scale = 0.0;  // sin(angle / 2) / angle
-  if (angle_squared < 1e-8) {
-    w = 1.0 - angle_squared / 8.0 + angle_squared * angle_squared / 384.0;
-    scale = 0.5 - angle_squared / 48.0 + angle_squared * angle_squared / 3840.0;
+  double scale = 0.0;          // sin(angle / 2) / angle
+  if (angle_squared < 1e-3) {  // what these leave out is of the order 1e-19
+    const double x = angle_squared;
+    w = 1.0 - x / 8.0 * (1.0 - x / 48.0 * (1.0 - x / 120.0));
+    scale = 0.5 - x / 48.0 * (1.0 - x / 80.0 * (1.0 - x / 168.0));
   } else {
     const double angle = std::sqrt(angle_squared);
     w = std::cos(0.5 * angle);
@@ -69,9 +70,9 @@ inline Eigen::Matrix3d exp_so3(const Eigen::Vector3d& phi) {
   return exp_quaternion(phi).toRotationMatrix();
 }
 
-/// Rotation vector (rad) of `dt` (s) at a body rate that goes from `omega_0` to `omega_1` (rad/s) on
-/// a straight line: the trapezoid, and the second term of Magnus' series for C' = C [omega x], which
-/// halves the drift in a coning motion.
+/// Rotation vector (rad) of `dt` (s) at a body rate that goes from `omega_0` to `omega_1` (rad/s)
+/// on a straight line: the trapezoid, and the second term of Magnus' series for C' = C [omega x],
+/// which halves the drift in a coning motion.
 inline Eigen::Vector3d rotation_vector(const Eigen::Vector3d& omega_0,
                                        const Eigen::Vector3d& omega_1, double dt) {
   return 0.5 * dt * (omega_0 + omega_1) + (dt * dt / 12.0) * omega_0.cross(omega_1);
@@ -94,7 +95,9 @@ inline Euler euler_from_C_NB(const Eigen::Matrix3d& C_NB) {
   Euler e;
   e.roll = std::atan2(C_NB(2, 1), C_NB(2, 2));
   e.pitch = std::atan2(-C_NB(2, 0), std::hypot(C_NB(2, 1), C_NB(2, 2)));
-  e.heading = wrap_2pi(std::atan2(C_NB(1, 0), C_NB(0, 0)));
+  const double heading = std::atan2(C_NB(1, 0), C_NB(0, 0));
+  e.heading = heading < 0.0 ? heading + 2.0 * kPi : heading;
+  if (e.heading >= 2.0 * kPi) e.heading = 0.0;  // -1e-20 + 2 pi rounds to 2 pi
   return e;
 }
 

@@ -259,7 +259,7 @@ void apply_calibration(Config& config, std::string_view text, const std::string&
   const toml::table* table = subtable(root, "smdu_calibration", source);
   if (table == nullptr) throw ConfigError(source + ": has no section [smdu_calibration]");
   SectionReader reader(*table, "smdu_calibration", source);
-  SmduCalibration::describe(config.smdu_calibration, reader);
+  sahrs::FieldCalibration::describe(config.smdu_calibration, reader);
   reader.refuse_unknown();
 }
 
@@ -274,7 +274,7 @@ std::string parameter_table() {
   return out.str();
 }
 
-std::uint32_t calibration_id(const SmduCalibration& calibration) {
+std::uint32_t calibration_id(const sahrs::FieldCalibration& calibration) {
   if (calibration.bias.isZero(0.0) && calibration.matrix.isIdentity(0.0)) return 0;
   std::array<char, 12 * sizeof(double)> bytes{};
   std::memcpy(bytes.data(), calibration.bias.data(), 3 * sizeof(double));

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <Eigen/Core>
 #include <cstdint>
 #include <optional>
 #include <stdexcept>
@@ -69,18 +68,6 @@ struct InitialParameters {
   }
 };
 
-/// [smdu_calibration]: b_cal = matrix b_raw + bias (SAHRS paper §5: matrix = I + D).
-struct SmduCalibration {
-  Eigen::Vector3d bias = Eigen::Vector3d::Zero();  // nT, added
-  Eigen::Matrix3d matrix = Eigen::Matrix3d::Identity();
-
-  template <class Self, class Visitor>
-  static void describe(Self& self, Visitor&& visit) {
-    visit(self.bias, {"bias_nT", "nT", -200e3, 200e3, "Added to the raw field"});
-    visit(self.matrix, {"matrix", "-", -2.0, 2.0, "Multiplies the raw field, three rows"});
-  }
-};
-
 /// [timeout]: silence after which a sensor is called stale.
 struct TimeoutParameters {
   double body_rates = 0.2;      // s
@@ -111,7 +98,7 @@ struct Config {
   EarthParameters earth;
   InitialParameters initial;
   TimeoutParameters timeout;
-  SmduCalibration smdu_calibration;
+  sahrs::FieldCalibration smdu_calibration;
   sahrs::Parameters sahrs;
   fusion::CascadeParameters cascade;
   std::uint32_t hash = 0;  // CRC-32 of the text it was read from; 0 for the built-in defaults
@@ -146,6 +133,6 @@ void apply_calibration(Config& config, std::string_view text, const std::string&
 std::string parameter_table();
 
 /// CRC-32 of the calibration's numbers; 0 when it is the identity.
-std::uint32_t calibration_id(const SmduCalibration& calibration);
+std::uint32_t calibration_id(const sahrs::FieldCalibration& calibration);
 
 }  // namespace lodestar::navigator

@@ -9,7 +9,9 @@ inline constexpr std::int64_t kMicrosecond = 1;
 inline constexpr std::int64_t kSecond = 1'000'000 * kMicrosecond;
 inline constexpr std::int64_t kOldest = kSecond;               // a measurement may be this old
 inline constexpr std::int64_t kAhead = 50'000 * kMicrosecond;  // ... or this far ahead
-inline constexpr std::int64_t kLongestStep = kSecond;          // of the master clock
+// Before any time. Not the smallest number: time - kNever must not overflow.
+inline constexpr std::int64_t kNever = -(std::int64_t{1} << 62);
+inline constexpr std::int64_t kLongestStep = kSecond;                  // of the master clock
 inline constexpr std::int64_t kLongestCoast = 500'000 * kMicrosecond;  // bridged without body rates
 
 /// The master clock: which times of EFCS.RATES make a frame.

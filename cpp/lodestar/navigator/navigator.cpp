@@ -2,7 +2,6 @@
 #include "lodestar/navigator/navigator.h"
 
 #include <algorithm>
-#include <limits>
 
 namespace lodestar::navigator {
 
@@ -13,9 +12,8 @@ using samples::Use;
 namespace {
 
 sahrs::PaperSahrs make_sahrs(const Config& config) {
-  sahrs::PaperSahrs sahrs(config.sahrs,
-                          {config.smdu_calibration.matrix, config.smdu_calibration.bias},
-                          config.earth.geomagnetic_model, config.earth.epoch_year);
+  sahrs::PaperSahrs sahrs(config.sahrs, config.smdu_calibration, config.earth.geomagnetic_model,
+                          config.earth.epoch_year);
   const InitialParameters& initial = config.initial;
   sahrs.set_position(initial.lat, initial.lon, initial.h);
   return sahrs;
@@ -134,7 +132,7 @@ void Navigator::start_over() {
   const auto restart = [](auto& input) {
     input.watch.restart();
     input.pending.clear();
-    input.applied_us = std::numeric_limits<std::int64_t>::min();
+    input.applied_us = kNever;
   };
   std::apply([&](auto&... input) { (restart(input), ...); }, inputs_);
   next_health_us_ = 0;

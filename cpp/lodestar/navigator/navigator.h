@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstdint>
-#include <limits>
 #include <tuple>
 
 #include "lodestar/fusion/cascade.h"
@@ -69,7 +68,7 @@ class Navigator {
     samples::Channel channel;
     SensorWatch<Sample> watch;
     Pending<Sample, Capacity> pending;
-    std::int64_t applied_us = std::numeric_limits<std::int64_t>::min();  // time of the last one out
+    std::int64_t applied_us = kNever;  // time of the last one out
   };
 
   template <class Sample>

@@ -78,7 +78,7 @@ bool Alignment::straight(const AlignmentInput& in) const {
   const Eigen::Vector3d omega_B = turn_B_.rate();
   const Eigen::Vector3d down_B = gravity_B_.value().normalized();
   const Eigen::Vector3d other_B = omega_B - omega_B.dot(down_B) * down_B;
-  const double centripetal = field_rate(down_B) * in.true_airspeed;
+  const double centripetal = field_rate(down_B) * v_air_B_.norm();
   return other_B.norm() < kSteadyRate && std::abs(centripetal) < kStraight * in.gravity;
 }
 
@@ -91,6 +91,7 @@ std::optional<Aligned> Alignment::solve(const AlignmentInput& in) const {
 
   Aligned aligned;
   aligned.sigma_B = averaged ? kStraightSigma_B : kTurningSigma_B;
+  aligned.omega_B = averaged ? turn_B_.rate() : omega_B_;
   aligned.gyro_bias_B.setZero();
   Eigen::Vector3d down_B;
   // Down needs the bias and the bias needs down. kStraight is such that each turn leaves at most
@@ -109,9 +110,9 @@ std::optional<Aligned> Alignment::solve(const AlignmentInput& in) const {
   attitude.roll = std::atan2(down_B.y(), down_B.z());
   attitude.pitch = std::atan2(-down_B.x(), std::hypot(down_B.y(), down_B.z()));
   const Tilt tilt(math::C_NB_from_euler(attitude));
-  attitude.pitch += pitch_measurement({in.true_airspeed, in.alpha, in.beta, in.climb_rate, tilt},
-                                      0.0, SlowNoise{0.0, 0.0})
-                        .innovation(0);
+  const PitchInput air{v_air_B_, in.climb_rate, tilt};
+  if (std::abs(air.climb_rate) > 0.9 * pitch_plane_airspeed(air)) return std::nullopt;
+  attitude.pitch += pitch_measurement(air, 0.0, SlowNoise{0.0, 0.0}).innovation(0);
   const Eigen::Vector3d b_level = math::C_NB_from_euler(attitude) * b_B;  // heading still 0
   attitude.heading =
       math::wrap_2pi(std::atan2(in.b_N.y(), in.b_N.x()) - std::atan2(b_level.y(), b_level.x()));

@@ -13,9 +13,6 @@ namespace lodestar::sahrs {
 
 /// What the sensors and models say at the moment of the alignment.
 struct AlignmentInput {
-  double true_airspeed;  // m/s
-  double alpha;          // rad
-  double beta;           // rad
   double climb_rate;     // m/s, up
   Eigen::Vector3d b_N;   // nT, of the field model
   double gravity;        // m/s^2
@@ -26,7 +23,8 @@ struct AlignmentInput {
 struct Aligned {
   math::Euler attitude;         // rad
   Eigen::Vector3d sigma_B;      // rad, what to expect of it
-  Eigen::Vector3d gyro_bias_B;  // rad/s, of the rates that were observed
+  Eigen::Vector3d omega_B;      // rad/s, as observed
+  Eigen::Vector3d gyro_bias_B;  // rad/s, part of that
 };
 
 /// Attitude from nothing but a few seconds of vector measurements.

@@ -15,10 +15,15 @@ namespace lodestar::sahrs {
 namespace {
 
 constexpr double kShortestInterval = 1e-3;  // s, between samples or frames
+constexpr double kNorthernmost = 89.9 * math::kDegree;
+constexpr double kPatience = 10.0;              // s of a field that contradicts the heading
+constexpr double kDoubt = 0.5 * math::kDegree;  // rad/s, by which its sigma grows after that
+constexpr double kJump = 5.0 * math::kDegree;   // rad, a correction that users are told of
 
 }  // namespace
 
 samples::Use PaperSahrs::update(const samples::MagneticField& sample) {
+  const double dt = have_field_ ? seconds_between(field_us_, sample.time_us) : 0.0;
   b_B_ = calibration_.matrix * sample.b_B + calibration_.bias;
   field_us_ = sample.time_us;
   have_field_ = true;
@@ -31,7 +36,18 @@ samples::Use PaperSahrs::update(const samples::MagneticField& sample) {
       SlowNoise::of(p.field_drift.sigma, p.field_drift.tau, interval(kFieldNorth, sample.time_us));
   Measurement<3> m =
       field_measurement({b_B_, field_bias_B_, moment.C_NB, b_N_}, p.field_noise, drift);
-  return correct(m, moment, kFieldNorth);
+  const samples::Use use = correct(m, moment, kFieldNorth);
+  if (use == samples::Use::kGated) doubt_heading(dt);
+  return use;
+}
+
+// A field that contradicts the heading for a moment is a disturbance. If it goes on, either may be
+// wrong, and in the long run there is no other reference: sigma grows until the field is believed.
+void PaperSahrs::doubt_heading(double dt) {
+  if (interval(kFieldNorth, field_us_) < kPatience) return;
+  const Eigen::Vector3d down_B = C_NB_.row(2).transpose();
+  const double sigma = std::sqrt(down_B.dot(P_.topLeftCorner<3, 3>() * down_B));
+  P_.topLeftCorner<3, 3>() += (2.0 * sigma * kDoubt * dt) * (down_B * down_B.transpose());
 }
 
 samples::Use PaperSahrs::update(const samples::AirData& sample) {
@@ -39,21 +55,22 @@ samples::Use PaperSahrs::update(const samples::AirData& sample) {
   try_alignment();
   Moment moment;
   if (!moment_at(sample.time_us, moment)) return samples::Use::kHeld;
-  if (std::cos(lat_) > 1e-3) {  // at the poles north turns as fast as one likes
+  if (std::abs(lat_) < kNorthernmost) {  // at the poles north turns as fast as one likes
     transport_rate_N_ = earth::transport_rate_N(lat_, h_, moment.C_NB * v_air_B_);
   }
   return update_pitch(moment);
 }
 
 samples::Use PaperSahrs::update(const samples::LoadFactor& sample) {
-  load_ = sample;
+  load_us_ = sample.time_us;
   have_load_ = true;
-  if (needs_alignment() && have_air_ && fresh(air_.time_us, sample.time_us)) {
+  if (needs_alignment() && have_air_ && sample.time_us - air_.time_us <= kFresh_us) {
     alignment_.observe_load(sample.n_B, v_air_B_, sample.time_us);
   }
   try_alignment();
   Moment moment;
   if (!moment_at(sample.time_us, moment)) return samples::Use::kHeld;
+  climb_acceleration_ = samples::kStandardGravity * moment.C_NB.row(2).dot(sample.n_B) - gravity_;
   return update_roll(moment, sample);
 }
 
@@ -84,18 +101,19 @@ void PaperSahrs::track_air_data(const samples::AirData& sample) {
 
 samples::Use PaperSahrs::update_pitch(const Moment& moment) {
   const Parameters& p = parameters_;
-  const PitchInput in{air_.true_airspeed, air_.alpha, air_.beta, climb_.rate(), Tilt(moment.C_NB)};
+  const PitchInput in{v_air_B_, climb_.rate(), Tilt(moment.C_NB)};
+  const double V = air_.true_airspeed;
   const double fastest_climb = 0.9 * pitch_plane_airspeed(in);
   const bool valid =
-      holds(in.true_airspeed >= p.min_airspeed, Assumption::kAirspeed) &&
+      holds(V >= p.min_airspeed, Assumption::kAirspeed) &&
       holds(climb_.settled() && std::abs(in.climb_rate) < fastest_climb, Assumption::kClimbRate) &&
-      holds(std::abs(in.beta) <= p.max_sideslip, Assumption::kSideslip) &&
-      holds(in.tilt.cos_pitch >= std::cos(p.max_pitch), Assumption::kPitchAngle);
+      holds(std::abs(air_.beta) <= p.max_sideslip, Assumption::kSideslip) &&
+      holds(in.tilt.cos_pitch >= min_cos_pitch_, Assumption::kPitchAngle);
   if (!valid) return reject(kPitch);
   const double dt = interval(kPitch, moment.pose.time_us);
   const SlowNoise climb_rate =
       SlowNoise::of(p.climb_rate_sigma, 1.0 / p.climb_filter_bandwidth, dt) +
-      SlowNoise::of(p.vertical_wind_sigma, p.vertical_wind_length / in.true_airspeed, dt);
+      SlowNoise::of(p.vertical_wind_sigma, p.vertical_wind_length / V, dt);
   Measurement<1> m = pitch_measurement(in, p.alpha_noise, climb_rate);
   return correct(m, moment, kPitch);
 }
@@ -108,14 +126,14 @@ samples::Use PaperSahrs::update_roll(const Moment& moment, const samples::LoadFa
   const double flow_rate = V * std::max(std::abs(alpha_.rate()), std::abs(beta_.rate()));
   const double size = balance(in).size() / (gravity_ * in.tilt.cos_pitch);
   const bool valid =
-      holds(have_air_ && fresh(air_.time_us, sample.time_us) && V >= p.min_airspeed,
+      holds(have_air_ && sample.time_us - air_.time_us <= kFresh_us && V >= p.min_airspeed,
             Assumption::kAirspeed) &&
       holds(std::abs(airspeed_.rate()) <= p.max_speed_rate && flow_rate <= p.max_flow_rate,
             Assumption::kSteadyVelocity) &&
       holds(std::abs(air_.beta) <= p.max_sideslip, Assumption::kSideslip) &&
       holds(std::abs(sample.n_B.y()) <= p.max_lateral_load, Assumption::kLateralLoad) &&
       holds(in.omega_B.norm() <= p.max_body_rate, Assumption::kBodyRate) &&
-      holds(in.tilt.cos_pitch >= std::cos(p.max_pitch), Assumption::kPitchAngle) &&
+      holds(in.tilt.cos_pitch >= min_cos_pitch_, Assumption::kPitchAngle) &&
       holds(std::abs(size - 1.0) <= p.max_imbalance, Assumption::kBalance);
   if (!valid) return reject(kRoll);
   const SlowNoise neglected = SlowNoise::of(p.neglected_force.sigma, p.neglected_force.tau,
@@ -185,6 +203,7 @@ void PaperSahrs::fold_in(const Eigen::Matrix<double, kEstimated, 1>& correction)
   gyro_bias_B_ += correction.segment<kGyroBias.size>(kGyroBias.offset);
   field_bias_B_ += correction.segment<kFieldBias.size>(kFieldBias.offset);
   ErrorModel::fold_in(P_, turn_B);
+  if (turn_B.norm() > kJump) count_reset(turn_B);
 }
 
 }  // namespace lodestar::sahrs

@@ -27,6 +27,7 @@ PaperSahrs::PaperSahrs(const Parameters& parameters, const FieldCalibration& cal
       calibration_(calibration),
       epoch_year_(epoch_year),
       field_model_(field_model),
+      min_cos_pitch_(std::cos(parameters.max_pitch)),
       gate_(parameters.false_rejection),
       error_model_(parameters),
       P_(error_model_.initial(Eigen::Vector3d::Constant(math::kPi))),
@@ -46,15 +47,14 @@ void PaperSahrs::set_position(double lat, double lon, double h) {
 void PaperSahrs::start(const math::Euler& attitude, const Eigen::Vector3d& sigma_B,
                        std::int64_t time_us) {
   now_us_ = time_us;
-  set_attitude(attitude, sigma_B);
+  set_attitude(math::C_NB_from_euler(attitude), sigma_B);
 }
 
 void PaperSahrs::propagate(const samples::BodyRates& sample) {
   attitude_.used = 0;
   attitude_.rejected = 0;
   const double dt = seconds_between(now_us_, sample.time_us);
-  const Eigen::Vector3d mean_omega_B =
-      have_rates_ ? 0.5 * (omega_B_ + sample.omega_B) : sample.omega_B;
+  const Eigen::Vector3d before_B = have_rates_ ? omega_B_ : sample.omega_B;
   have_rates_ = true;
   now_us_ = sample.time_us;
   omega_B_ = sample.omega_B;
@@ -63,21 +63,25 @@ void PaperSahrs::propagate(const samples::BodyRates& sample) {
     alignment_.restart();
   }
   if (needs_alignment()) alignment_.observe_rates(omega_B_ - gyro_bias_B_, now_us_);
-  if (state_ == State::kRunning && dt > 0.0) integrate(mean_omega_B, dt);
+  if (state_ == State::kRunning && dt > 0.0) integrate(before_B, dt);
 }
 
-void PaperSahrs::integrate(const Eigen::Vector3d& mean_omega_B, double dt) {
-  const Eigen::Vector3d omega_IB_B = mean_omega_B - gyro_bias_B_;
+void PaperSahrs::integrate(const Eigen::Vector3d& before_B, double dt) {
+  const Eigen::Vector3d turn_IB_B =
+      math::rotation_vector(before_B - gyro_bias_B_, omega_B_ - gyro_bias_B_, dt);
   const Eigen::Vector3d omega_IN_B = C_NB_.transpose() * (earth_rate_N_ + transport_rate_N_);
   Pose pose;
   pose.time_us = now_us_;
   pose.q_SB =
-      (history_.newest().q_SB * math::exp_quaternion(dt * (omega_IB_B - omega_IN_B))).normalized();
+      (history_.newest().q_SB * math::exp_quaternion(turn_IB_B - dt * omega_IN_B)).normalized();
   pose.omega_B = omega_B_;
-  pose.climb_integral = history_.newest().climb_integral + dt * vertical_acceleration();
+  pose.climb_integral = history_.newest().climb_integral;
+  if (have_load_ && now_us_ - load_us_ <= kOldest_us) {
+    pose.climb_integral += dt * climb_acceleration_;
+  }
   history_.push(pose);
   C_NB_ = (q_NS_ * pose.q_SB).toRotationMatrix();
-  error_model_.propagate(P_, omega_IB_B, b_B_, dt);
+  error_model_.propagate(P_, turn_IB_B / dt, b_B_, dt);
   if (dt > kLongestFrame) {
     // Between two known ends the rate did what it liked: the integral of a Brownian bridge.
     P_.diagonal().head<3>().array() += square(parameters_.gyro_gap_noise) * dt * dt * dt / 12.0;
@@ -85,34 +89,30 @@ void PaperSahrs::integrate(const Eigen::Vector3d& mean_omega_B, double dt) {
   frame_interval_ = dt;
 }
 
-double PaperSahrs::vertical_acceleration() const {
-  if (!have_load_ || !fresh(load_.time_us, now_us_)) return 0.0;
-  return samples::kStandardGravity * C_NB_.row(2).dot(load_.n_B) - gravity_;
-}
-
 void PaperSahrs::try_alignment() {
   if (!needs_alignment() || !have_load_ || !have_air_ || !have_field_) return;
-  if (!fresh(load_.time_us, now_us_) || !fresh(air_.time_us, now_us_) ||
-      !fresh(field_us_, now_us_) || air_.true_airspeed < parameters_.min_airspeed ||
+  const std::int64_t oldest_us = std::min({load_us_, air_.time_us, field_us_});
+  if (now_us_ - oldest_us > kOldest_us || air_.true_airspeed < parameters_.min_airspeed ||
       std::abs(air_.beta) > parameters_.max_sideslip || !climb_.settled()) {
     return;
   }
   const double bias_sigma = std::sqrt(P_.diagonal().segment<3>(kGyroBias.offset).mean());
-  const std::optional<Aligned> aligned =
-      alignment_.solve({air_.true_airspeed, air_.alpha, air_.beta, climb_.rate(), b_N_, gravity_,
-                        3.0 * bias_sigma, parameters_.max_imbalance});
+  const std::optional<Aligned> aligned = alignment_.solve(
+      {climb_.rate(), b_N_, gravity_, 3.0 * bias_sigma, parameters_.max_imbalance});
   if (!aligned) return;
+  const double age = seconds_between(load_us_, now_us_);
+  const Eigen::Matrix3d C_NB = math::C_NB_from_euler(aligned->attitude) *
+                               math::exp_so3(age * (aligned->omega_B - aligned->gyro_bias_B));
   if (state_ != State::kWaiting) {
-    const Eigen::Matrix3d turn_B = C_NB_.transpose() * math::C_NB_from_euler(aligned->attitude);
-    attitude_.reset_delta_B = math::log_quaternion(Eigen::Quaterniond(turn_B));
-    ++attitude_.reset_count;
+    const Eigen::Matrix3d turn_B = C_NB_.transpose() * C_NB;
+    count_reset(math::log_quaternion(Eigen::Quaterniond(turn_B)));
   }
   gyro_bias_B_ += aligned->gyro_bias_B;
-  set_attitude(aligned->attitude, aligned->sigma_B);
+  set_attitude(C_NB, aligned->sigma_B);
 }
 
-void PaperSahrs::set_attitude(const math::Euler& attitude, const Eigen::Vector3d& sigma_B) {
-  C_NB_ = math::C_NB_from_euler(attitude);
+void PaperSahrs::set_attitude(const Eigen::Matrix3d& C_NB, const Eigen::Vector3d& sigma_B) {
+  C_NB_ = C_NB;
   q_NS_ = Eigen::Quaterniond(C_NB_);
   Pose pose;
   pose.time_us = now_us_;
@@ -126,6 +126,11 @@ void PaperSahrs::set_attitude(const math::Euler& attitude, const Eigen::Vector3d
   state_ = State::kRunning;
   lost_ = false;
   alignment_.restart();
+}
+
+void PaperSahrs::count_reset(const Eigen::Vector3d& turn_B) {
+  attitude_.reset_delta_B = turn_B;
+  ++attitude_.reset_count;
 }
 
 void PaperSahrs::finish_frame() {

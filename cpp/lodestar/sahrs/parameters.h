@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <Eigen/Core>
 #include <cstdint>
 
 #include "lodestar/math/gauss_markov.h"
@@ -26,6 +27,18 @@ inline constexpr int kAssumptions = 8;
 inline constexpr const char* kAssumptionNames[kAssumptions] = {
     "airspeed",     "climb rate", "steady velocity", "sideslip",
     "lateral load", "body rate",  "pitch angle",     "balance"};
+
+/// [smdu_calibration]: b_cal = matrix b_raw + bias (SAHRS paper §5: matrix = I + D).
+struct FieldCalibration {
+  Eigen::Matrix3d matrix = Eigen::Matrix3d::Identity();
+  Eigen::Vector3d bias = Eigen::Vector3d::Zero();  // nT
+
+  template <class Self, class Visitor>
+  static void describe(Self& self, Visitor&& visit) {
+    visit(self.bias, {"bias_nT", "nT", -200e3, 200e3, "Added to the raw field"});
+    visit(self.matrix, {"matrix", "-", -2.0, 2.0, "Multiplies the raw field, three rows"});
+  }
+};
 
 /// [sahrs]: the sensors' errors as a fighter's suite has them, and what its measurements assume.
 struct Parameters {

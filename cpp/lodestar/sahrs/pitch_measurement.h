@@ -11,25 +11,22 @@ namespace lodestar::sahrs {
 
 /// What the pitch measurement is made of, all at one time.
 struct PitchInput {
-  double true_airspeed;  // m/s
-  double alpha;          // rad
-  double beta;           // rad
-  double climb_rate;     // m/s, up
-  Tilt tilt;             // predicted
+  Eigen::Vector3d v_air_B;  // m/s, along alpha and beta
+  double climb_rate;        // m/s, up
+  Tilt tilt;                // predicted
 };
 
 /// Airspeed in the plane in which pitch turns the velocity: hypot(a, c) of `pitch_measurement`.
 inline double pitch_plane_airspeed(const PitchInput& in) {
-  const double a = std::cos(in.alpha) * std::cos(in.beta);
-  const double c = std::sin(in.beta) * in.tilt.sin_roll +
-                   std::sin(in.alpha) * std::cos(in.beta) * in.tilt.cos_roll;
-  return in.true_airspeed * std::hypot(a, c);
+  const double c = in.v_air_B.y() * in.tilt.sin_roll + in.v_air_B.z() * in.tilt.cos_roll;
+  return std::sqrt(in.v_air_B.x() * in.v_air_B.x() + c * c);
 }
 
-/// Pitch from air data (SAHRS paper §3.2; the estimate of roll is used in it). With the air
-/// velocity in B along alpha and beta, and no vertical wind,
+/// Pitch from air data (SAHRS paper §3.2; the estimate of roll is used in it). With no vertical
+/// wind
 ///     climb_rate = a sin(pitch) - c cos(pitch),
-///     a = V cos(alpha) cos(beta),  c = V (sin(beta) sin(roll) + sin(alpha) cos(beta) cos(roll)),
+///     a = u = V cos(alpha) cos(beta),
+///     c = v sin(roll) + w cos(roll) = V (sin(beta) sin(roll) + sin(alpha) cos(beta) cos(roll)),
 /// of which pitch = asin(climb_rate / hypot(a, c)) + atan2(c, a). Needs |climb_rate| < hypot(a, c)
 /// by a margin, and pitch away from +-90 degrees.
 ///
@@ -38,24 +35,23 @@ inline double pitch_plane_airspeed(const PitchInput& in) {
 /// of the rate of climb through the air: the filter's, and the vertical wind.
 inline Measurement<1> pitch_measurement(const PitchInput& in, double alpha_sigma,
                                         const SlowNoise& climb_rate) {
-  const double sin_alpha = std::sin(in.alpha), cos_alpha = std::cos(in.alpha);
-  const double sin_beta = std::sin(in.beta), cos_beta = std::cos(in.beta);
   const double sin_roll = in.tilt.sin_roll, cos_roll = in.tilt.cos_roll;
-  const double V = in.true_airspeed;
-  const double a = V * cos_alpha * cos_beta;
-  const double c = V * (sin_beta * sin_roll + sin_alpha * cos_beta * cos_roll);
+  const double u = in.v_air_B.x(), v = in.v_air_B.y(), w = in.v_air_B.z();
+  const double a = u;
+  const double c = v * sin_roll + w * cos_roll;
   const double plane_squared = a * a + c * c;
   const double horizontal_squared = plane_squared - in.climb_rate * in.climb_rate;
   const double pitch = std::asin(in.climb_rate / std::sqrt(plane_squared)) + std::atan2(c, a);
 
-  // Partial derivatives of the measured pitch.
+  // Partial derivatives of the measured pitch. The velocity turns with alpha in the plane of x and
+  // z, with beta out of it.
   const double shared = in.climb_rate / (plane_squared * std::sqrt(horizontal_squared));
   const double d_a = -c / plane_squared - a * shared;
   const double d_c = a / plane_squared - c * shared;
-  const double d_roll = d_c * V * (sin_beta * cos_roll - sin_alpha * cos_beta * sin_roll);
-  const double d_alpha = V * cos_beta * (d_c * cos_alpha * cos_roll - d_a * sin_alpha);
-  const double d_beta = V * (d_c * (cos_beta * sin_roll - sin_alpha * sin_beta * cos_roll) -
-                             d_a * cos_alpha * sin_beta);
+  const double d_roll = d_c * (v * cos_roll - w * sin_roll);
+  const double d_alpha = d_c * u * cos_roll - d_a * w;
+  const double in_plane = std::sqrt(u * u + w * w);
+  const double d_beta = d_c * in_plane * sin_roll - (d_a * u + d_c * w * cos_roll) * v / in_plane;
 
   Measurement<1> m;
   m.innovation(0) = pitch - std::atan2(in.tilt.sin_pitch, in.tilt.cos_pitch);

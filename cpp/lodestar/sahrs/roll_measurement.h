@@ -28,7 +28,9 @@ struct Balance {
   double lateral;
   double normal;
 
-  double size() const { return std::hypot(lateral, normal); }  // g cos(pitch) if all is well
+  double size() const {
+    return std::sqrt(lateral * lateral + normal * normal);
+  }  // g cos(pitch) if all is well
 };
 
 /// Rows y and z of the equation of motion in B, V' = -omega x V + g (-n + C_NB' e_3), with V' = 0
@@ -56,7 +58,7 @@ inline Measurement<1> roll_measurement(const RollInput& in, const RollNoise& noi
   const double p = in.omega_B.x(), q = in.omega_B.y(), r = in.omega_B.z();
   const Eigen::RowVector3d d_omega(d_normal * v - d_lateral * w, -d_normal * u, d_lateral * u);
   // V turns with alpha in the plane of x and z, with beta out of it.
-  const double in_plane = std::hypot(u, w);
+  const double in_plane = std::sqrt(u * u + w * w);
   const Eigen::RowVector3d d_v(-d_normal * q + d_lateral * r, d_normal * p, -d_lateral * p);
   const Eigen::Vector3d v_by_alpha(-w, 0.0, u);
   const Eigen::Vector3d v_by_beta(-u * v / in_plane, in_plane, -w * v / in_plane);

@@ -12,7 +12,8 @@ struct Tilt {
   double sin_roll, cos_roll, sin_pitch, cos_pitch;
 
   explicit Tilt(const Eigen::Matrix3d& C_NB)
-      : sin_pitch(-C_NB(2, 0)), cos_pitch(std::hypot(C_NB(2, 1), C_NB(2, 2))) {
+      : sin_pitch(-C_NB(2, 0)),
+        cos_pitch(std::sqrt(C_NB(2, 1) * C_NB(2, 1) + C_NB(2, 2) * C_NB(2, 2))) {
     // At +-90 degrees of pitch roll is any; nothing that uses it is valid there.
     const double inverse = cos_pitch > 0.0 ? 1.0 / cos_pitch : 0.0;
     sin_roll = C_NB(2, 1) * inverse;

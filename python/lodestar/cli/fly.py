@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import contextlib
-import signal
 import time
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -101,31 +100,15 @@ def _fly(
     progress.remove_task(simulating)
     flying = progress.add_task(f"fly {scenario.name}", total=scenario.duration_s)
     start = time.monotonic()
-    interrupted = _note_interrupts()
-
-    def advance(time_us: int) -> None:
-        if interrupted:
-            raise KeyboardInterrupt
-        progress.update(flying, completed=time_us * 1e-6)
-
-    fly_plan(plan, url, folder, realtime=realtime, progress=advance)
+    fly_plan(
+        plan,
+        url,
+        folder,
+        realtime=realtime,
+        progress=lambda time_us: progress.update(flying, completed=time_us * 1e-6),
+    )
     progress.remove_task(flying)
     return scenario.duration_s / (time.monotonic() - start)
-
-
-def _note_interrupts() -> list[int]:
-    """A list that is no longer empty after Ctrl-C.
-
-    KeyboardInterrupt is lost where it is raised in a finaliser; the flight must end all the same.
-    """
-    noted: list[int] = []
-
-    def note(number: int, _frame: object) -> None:
-        noted.append(number)
-        raise KeyboardInterrupt
-
-    signal.signal(signal.SIGINT, note)
-    return noted
 
 
 def _kept(log: Path) -> str:
