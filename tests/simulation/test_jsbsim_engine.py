@@ -254,3 +254,17 @@ def test_missing_package_is_named_with_the_remedy(tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, "jsbsim", None)
     with pytest.raises(InputError, match=r"jsbsim is missing; install lodestar\[jsbsim\]"):
         fly_truth(scenario(tmp_path, CALM), 1, engine="jsbsim")
+
+
+def test_rate_that_is_too_slow_for_the_dynamics_is_refused(tmp_path):
+    slow = replace(scenario(tmp_path, CALM), rate_hz=30)
+    with pytest.raises(InputError, match=r"route\.profile: rate 30 Hz: JSBSim needs 60 Hz"):
+        fly_truth(slow, 1, engine="jsbsim")
+
+
+def test_faster_rate_is_the_same_flight(calm, tmp_path):
+    fast = fly_truth(replace(scenario(tmp_path, CALM), rate_hz=120), 1, engine="jsbsim")
+    assert fast.rate_hz == 120
+    # The controls are moved, and the motion integrated, twice as often.
+    assert np.abs(fast.h[::2] - calm.h).max() < 0.5
+    assert np.degrees(np.abs(fast.roll[::2] - calm.roll)).max() < 1

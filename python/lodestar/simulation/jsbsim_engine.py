@@ -31,7 +31,7 @@ Array = NDArray[np.float64]
 
 RUN_IN = 15.0  # s of flight before the first sample, in which everything settles
 SLOWEST, FASTEST = 110.0, 320.0  # m/s, of paths it can fly
-STEP_RATE_HZ = 60  # of JSBSim, at least
+SLOWEST_RATE_HZ = 60
 LEAST_FORWARD_SPEED = 40.0  # m/s, of an aircraft that is flying
 FOOT = 0.3048  # m
 
@@ -87,8 +87,7 @@ class _F16:
         fdm: Any = jsbsim.FGFDMExec(None)
         fdm.set_debug_level(0)
         fdm.load_model("f16")
-        self._steps = math.ceil(STEP_RATE_HZ / rate_hz)
-        fdm.set_dt(1 / (rate_hz * self._steps))
+        fdm.set_dt(1 / rate_hz)
         for name, method in _INTEGRATORS.items():
             fdm[f"simulation/integrator/{name}"] = method
         north = start.airspeed * math.cos(start.heading) + wind_N[0]
@@ -119,8 +118,8 @@ class _F16:
         """lat, lon, h, v_N, roll, pitch, heading, omega_B, f_B."""
         return [get() * scale for get, scale in zip(self._get, self._scale, strict=True)]
 
-    def step(self, controls: Controls, motion: Motion, wind: Vector, following: Vector) -> None:
-        """Fly one sample further; on the way the whole wind goes to the ``following``."""
+    def step(self, controls: Controls, motion: Motion, wind: Vector) -> None:
+        """Fly one sample further, to where the whole wind is ``wind``."""
         # The trim takes back what the pedals do besides the yaw loop.
         pedals = controls.rudder / _YAW_LOOP
         pedals -= _YAW_RATE * motion.omega_B[2] + _YAW_LOAD * motion.n_B[1]
@@ -134,11 +133,9 @@ class _F16:
         )
         for move, value in zip(self._control, values, strict=True):
             move(value)
-        for number in range(1, self._steps + 1):
-            share = number / self._steps
-            for blow, a, b in zip(self._set_wind, wind, following, strict=True):
-                blow((a + share * (b - a)) / FOOT)
-            self._run()
+        for blow, value in zip(self._set_wind, wind, strict=True):
+            blow(value / FOOT)
+        self._run()
 
 
 def fly_jsbsim(
@@ -178,6 +175,9 @@ def fly_jsbsim(
 
 
 def _check(path: FlightPath) -> None:
+    # One step per sample: what happened between samples could not be found from them.
+    if path.rate_hz < SLOWEST_RATE_HZ:
+        raise FlightError(f"rate {path.rate_hz} Hz: JSBSim needs {SLOWEST_RATE_HZ} Hz at least")
     slowest, fastest = float(np.min(path.airspeed)), float(np.max(path.airspeed))
     if slowest < SLOWEST or fastest > FASTEST:
         raise FlightError(
@@ -204,9 +204,8 @@ def _fly(path: FlightPath, wind_N: Array, gust_B: Array, before: int) -> tuple[A
         if k + 1 == len(winds):
             break
         controls = autopilot.steer(goals[max(k - before, 0)], motion)
-        following = _blow(winds[k + 1], gusts[k + 1], motion)
-        aircraft.step(controls, motion, blowing, following)
-        blowing = following
+        blowing = _blow(winds[k + 1], gusts[k + 1], motion)
+        aircraft.step(controls, motion, blowing)
     return np.array(states[before:]), np.array(blown[before:])
 
 
