@@ -252,7 +252,7 @@ def test_unknown_engine_is_refused_by_name(tmp_path):
 
 def test_missing_package_is_named_with_the_remedy(tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, "jsbsim", None)
-    with pytest.raises(InputError, match=r"jsbsim is missing; install lodestar\[jsbsim\]"):
+    with pytest.raises(InputError, match=r"jsbsim is missing; pip install 'lodestar\[jsbsim\]'"):
         fly_truth(scenario(tmp_path, CALM), 1, engine="jsbsim")
 
 

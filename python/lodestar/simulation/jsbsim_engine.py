@@ -247,7 +247,7 @@ def _package() -> ModuleType:
         import jsbsim
     except ImportError:
         raise InputError(
-            "engine jsbsim: the Python package jsbsim is missing; install lodestar[jsbsim]"
+            "engine jsbsim: the Python package jsbsim is missing; pip install 'lodestar[jsbsim]'"
         ) from None
     package: ModuleType = jsbsim
     return package
