@@ -29,7 +29,7 @@ from lodestar.simulation.profile import flight_path, read_profile
 from lodestar.simulation.sensor_errors import random_stream
 from lodestar.simulation.sensors import GpsService, sense
 from lodestar.simulation.suites import SUITES
-from lodestar.simulation.trajectory import Trajectory, fly_path
+from lodestar.simulation.trajectory import Aircraft, Trajectory, fly_path
 from lodestar.simulation.wind import Turbulence, Wind
 from lodestar.strict_toml import option
 
@@ -75,6 +75,16 @@ class GpsTable:
     velocity: bool = option(False, doc="the receiver gives velocity")
     latency_s: float = option(0.2, low=0, high=1, doc="from validity to arrival")
     outages: tuple[OutageTable, ...] = option((), doc="times without any fix")
+
+
+@dataclass(frozen=True)
+class Air:
+    """What of the air makes a flight: wind, turbulence, date (for its field), random numbers."""
+
+    wind: Wind
+    turbulence: Turbulence
+    epoch_year: float
+    seed: int
 
 
 @dataclass(frozen=True)
@@ -164,29 +174,11 @@ def fly_truth(scenario: Scenario, seed: int, engine: str = "profile") -> Traject
         wander_tau=w.wander_tau_s,
     )
     turbulence = Turbulence(scenario.turbulence.sigma_m_s, scenario.turbulence.length_m)
-    if engine == "jsbsim":
-        calm = wind.wander_sigma == 0.0 and turbulence.sigma == 0.0
-        # In calm air every seed is the same flight.
-        return _jsbsim_truth(
-            scenario.route,
-            scenario.rate_hz,
-            count,
-            wind,
-            turbulence,
-            scenario.epoch_year,
-            0 if calm else seed,
-        )
-    path = _beginning(path, count)
-    interval = 1 / scenario.rate_hz
-    return fly_path(
-        path,
-        wind.velocity_N(interval * np.arange(count, dtype=np.float64), random_stream(seed, "wind")),
-        turbulence.gust_B(
-            count, interval, float(np.mean(path.airspeed)), random_stream(seed, "turbulence")
-        ),
-        SUITES[scenario.suite].aircraft,
-        scenario.epoch_year,
-    )
+    # In calm air every seed is the same flight.
+    calm = wind.wander_sigma == 0.0 and turbulence.sigma == 0.0
+    aircraft = SUITES[scenario.suite].aircraft
+    air = Air(wind, turbulence, scenario.epoch_year, 0 if calm else seed)
+    return _truth(scenario.route, scenario.rate_hz, count, aircraft, air, engine)
 
 
 def simulate(scenario: Scenario, seed: int, engine: str = "profile") -> Recording:
@@ -194,7 +186,14 @@ def simulate(scenario: Scenario, seed: int, engine: str = "profile") -> Recordin
 
     Raises InputError where the route cannot be flown or a fault does not fit the flight.
     """
-    trajectory = fly_truth(scenario, seed, engine)
+    return measure(scenario, fly_truth(scenario, seed, engine), seed)
+
+
+def measure(scenario: Scenario, trajectory: Trajectory, seed: int) -> Recording:
+    """What the scenario's sensors give on a flight, faults included, and TRUTH.
+
+    Raises InputError where a fault does not fit the flight.
+    """
     gps = GpsService(
         scenario.gps.errors,
         scenario.gps.velocity,
@@ -315,21 +314,29 @@ def _beginning(path: FlightPath, count: int) -> FlightPath:
 
 
 @lru_cache(maxsize=2)
-def _jsbsim_truth(
-    route: str,
-    rate_hz: int,
-    count: int,
-    wind: Wind,
-    turbulence: Turbulence,
-    decimal_year: float,
-    seed: int,
+def _truth(
+    route: str, rate_hz: int, count: int, aircraft: Aircraft, air: Air, engine: str
 ) -> Trajectory:
-    """A flight of JSBSim: a few seconds of work, so kept, and its arrays made read-only."""
+    """A flight of the first ``count`` samples: seconds of work, so kept, its arrays read-only."""
     path = _beginning(_path(route, rate_hz), count)
-    try:
-        trajectory = fly_jsbsim(path, wind, turbulence, decimal_year, seed)
-    except FlightError as error:
-        raise InputError(f"{route}: {error}") from None
+    wind, turbulence = air.wind, air.turbulence
+    if engine == "jsbsim":
+        try:
+            trajectory = fly_jsbsim(path, wind, turbulence, air.epoch_year, air.seed)
+        except FlightError as error:
+            raise InputError(f"{route}: {error}") from None
+    else:
+        interval = 1 / rate_hz
+        time = interval * np.arange(count, dtype=np.float64)
+        mean_airspeed = float(np.mean(path.airspeed))
+        gusts = random_stream(air.seed, "turbulence")
+        trajectory = fly_path(
+            path,
+            wind.velocity_N(time, random_stream(air.seed, "wind")),
+            turbulence.gust_B(count, interval, mean_airspeed, gusts),
+            aircraft,
+            air.epoch_year,
+        )
     for values in vars(trajectory).values():
         if isinstance(values, np.ndarray):
             values.setflags(write=False)
