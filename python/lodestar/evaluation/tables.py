@@ -18,7 +18,7 @@ def print_table(score: Score, console: Console | None = None) -> None:
     out.print(f"[bold]{escape(summary.headline(score))}[/bold]", end="\n\n")
     for table in (summary.error_table(score), summary.loss_table(score)):
         if table is not None:
-            out.print(_rich(table))
+            out.print(rich_table(table))
             out.print()
     for note in summary.notes(score):
         out.print(escape(note), style="dim", highlight=False)
@@ -26,7 +26,8 @@ def print_table(score: Score, console: Console | None = None) -> None:
     out.print(escape(summary.verdict(score)), style=style, highlight=False)
 
 
-def _rich(table: summary.Table) -> RichTable:
+def rich_table(table: summary.Table) -> RichTable:
+    """The table for a terminal; what breaks a limit is red."""
     made = RichTable(box=box.SIMPLE_HEAD, show_edge=False, pad_edge=False, collapse_padding=True)
     for index, name in enumerate(table.header):
         # Broken at its first word, so that the columns are no wider than their figures.
