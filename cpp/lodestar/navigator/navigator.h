@@ -9,7 +9,7 @@
 #include "lodestar/navigator/frame_clock.h"
 #include "lodestar/navigator/pending.h"
 #include "lodestar/navigator/sensor_watch.h"
-#include "lodestar/sahrs/paper_sahrs.h"
+#include "lodestar/sahrs/sahrs.h"
 #include "lodestar/samples/health.h"
 #include "lodestar/samples/samples.h"
 
@@ -94,7 +94,7 @@ class Navigator {
 
   Config config_;
   FrameClock clock_;
-  sahrs::PaperSahrs sahrs_;
+  sahrs::Sahrs sahrs_;
   fusion::Cascade cascade_;
   samples::Counters counters_{};
   Outputs outputs_;
