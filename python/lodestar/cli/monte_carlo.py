@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from lodestar.studies.store import ParquetStore
 
 SAHRS_EXAMPLE = "Example: lodestar monte-carlo sahrs --runs 20 --scenario hard --engine jsbsim"
+FAULTS_EXAMPLE = "Example: lodestar monte-carlo sahrs-faults --runs 20 --form velocity"
 
 app = typer.Typer(
     help="Fly a study many times, on all cores, and tabulate it. It may be stopped and run again.",
@@ -83,6 +84,36 @@ def sahrs(
         study.sahrs_study(
             scenario or (), engine or (), form or (), set() if calibrated is None else {calibrated}
         ),
+        findings,
+        plots,
+        range(seed_first, seed_first + runs),
+        workers,
+        out,
+        redraw=redraw,
+        as_json=as_json,
+    )
+
+
+@app.command("sahrs-faults", epilog=FAULTS_EXAMPLE)
+def sahrs_faults(
+    runs: RunsOption = 20,
+    engine: Annotated[
+        list[str] | None,
+        typer.Option("--engine", metavar="profile|jsbsim", help="profile by default."),
+    ] = None,
+    form: FormOption = None,
+    seed_first: FirstSeedOption = 1,
+    workers: WorkersOption = None,
+    out: FolderOption = None,
+    redraw: RedrawOption = False,
+    as_json: JsonOption = False,
+) -> None:
+    """SAHRS with bad input: a magnet, frozen airspeed, stuck vane, baro spikes, gyro saturation."""
+    from lodestar.studies.sahrs_faults import sahrs_faults_study
+    from lodestar.studies.sahrs_faults_findings import findings, plots
+
+    _conduct(
+        sahrs_faults_study(engine or (), form or ()),
         findings,
         plots,
         range(seed_first, seed_first + runs),

@@ -73,8 +73,8 @@ def paragraphs(texts: Sequence[str]) -> str:
     return "\n".join(f'<p class="soft">{escape(text)}</p>' for text in texts)
 
 
-def table(title: str, content: Table, *, wide: bool = False) -> str:
-    """A table under its heading; ``wide`` lets the last column break its lines."""
+def table(title: str, content: Table) -> str:
+    """A table under its heading."""
     head = "".join(f"<th>{escape(name)}</th>" for name in content.header)
     body = "\n".join(
         "<tr>"
@@ -87,7 +87,7 @@ def table(title: str, content: Table, *, wide: bool = False) -> str:
         + "</tr>"
         for row, cells in enumerate(content.rows)
     )
-    kind = ' class="wide"' if wide else ""
+    kind = ' class="wide"' if content.wide else ""
     return (
         f'<h2>{escape(title)}</h2>\n<div class="scroll"><table{kind}>\n'
         f"<thead><tr>{head}</tr></thead>\n<tbody>\n{body}\n</tbody>\n</table></div>"

@@ -52,7 +52,7 @@ def write_report(
     parts += [
         page.figure(name, TITLES[name], CAPTIONS[name], image) for name, image in images.items()
     ]
-    parts.append(page.table("Channels", flight_facts.channel_table(recording), wide=True))
+    parts.append(page.table("Channels", flight_facts.channel_table(recording)))
     parts.append(f"<footer>{escape(flight_facts.computer(recording))}</footer>")
     page.write(score.case, parts, path)
 

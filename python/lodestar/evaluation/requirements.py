@@ -74,6 +74,12 @@ def is_hard(case: str) -> bool:
     return case.split("/")[0].split("+")[0] == "hard"
 
 
+def is_turbulent(case: str) -> bool:
+    """Whether the air of the case is turbulent; the SAHRS paper requires nothing there."""
+    scenario = case.split("/")[0]
+    return scenario == "turbulence" or scenario.endswith("+air")
+
+
 def paper(case: str) -> dict[str, float]:
     """What the SAHRS paper requires in a case, by metric."""
     return HARD if is_hard(case) else CALM

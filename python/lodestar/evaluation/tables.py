@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+from typing import Literal
+
 from rich import box
 from rich.console import Console
 from rich.markup import escape
@@ -32,7 +34,9 @@ def rich_table(table: summary.Table) -> RichTable:
     for index, name in enumerate(table.header):
         # Broken at its first word, so that the columns are no wider than their figures.
         heading = name.replace(" ", "\n", 1) if index else name
-        made.add_column(heading, justify="right" if index else "left", no_wrap=True)
+        folds = table.wide and index == len(table.header) - 1
+        side: Literal["left", "right"] = "left" if folds or index == 0 else "right"
+        made.add_column(heading, justify=side, no_wrap=not folds)
     for row, cells in enumerate(table.rows):
         made.add_row(
             *(

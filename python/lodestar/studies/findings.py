@@ -25,6 +25,7 @@ OBJECT = "study.json"
 PLOTS = "plots"
 _WIDEST = 160  # characters; a table of a study is wider than most terminals say they are
 _MOST_TOLD = 12
+_DPI = 110  # a campaign has dozens of plots
 
 
 @dataclass(frozen=True)
@@ -120,7 +121,7 @@ def write(findings: Findings, plots: Sequence[Plot], folder: Path) -> Path:
 
     Raises InputError where they cannot be written.
     """
-    with mpl.rc_context(drawing.STYLE):
+    with mpl.rc_context(drawing.STYLE | {"savefig.dpi": _DPI}):
         images = {plot.name: drawing.png(plot.figure) for plot in plots}
     drawing.write_images(images, folder / PLOTS)
     try:

@@ -58,6 +58,8 @@ class Form:
 
 FORMS = {"velocity": Form("sahrs", "strapdown"), "paper": Form("sahrs-paper", "sahrs")}
 
+FORM_OF = {form.estimator: name for name, form in FORMS.items()}
+
 # What is left of the magnetic detector's errors after a calibration, as an estimator is told.
 _CALIBRATED = {"field_bias_sigma_nT": 75.0, "field_matrix_sigma": 0.0005}
 

@@ -96,7 +96,7 @@ def _rms(values: Array) -> Array:
 
 
 def _boxes(ensembles: Sequence[Ensemble]) -> Figure:
-    figure, axes, places = _by_case(ensembles, [f"{axis}, °" for axis in AXES])
+    figure, axes, places = _by_case(ensembles, [f"{axis} rms, °" for axis in AXES])
     for one, metric in zip(axes, RMSE, strict=True):
         for ensemble, place in zip(ensembles, places, strict=True):
             colour = _COLOURS[ensemble.cell.estimator]
@@ -114,7 +114,6 @@ def _boxes(ensembles: Sequence[Ensemble]) -> Figure:
                 capprops={"color": colour},
             )
         one.set_xlim(left=0)
-        one.set_title("rms", fontsize=9, loc="left")
     return figure
 
 

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The results of a campaign on disk: Parquet files, each of one flight and whole.
 
-``FOLDER/flights/*.parquet`` is one data set to every reader of Parquet: a row for each cell and
+The folder ``flights`` is one data set to every reader of Parquet: a row for each cell and
 seed, a column for each figure, and lists of float32 for the series in time.
 """
 
@@ -39,12 +39,12 @@ class ParquetStore:
     @contextmanager
     def writing(self) -> Iterator[ParquetStore]:
         """Keep other campaigns out. Raises InputError where there is one."""
-        with (self.folder / "lock").open("w") as lock:
+        with (self.folder / ".lock").open("w") as lock:
             try:
                 fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
             except OSError:
                 raise InputError(f"{self.folder}: another campaign is writing there") from None
-            for torn in self.folder.glob("*.part"):
+            for torn in self.folder.glob(".*.part"):
                 torn.unlink()
             yield self
 
@@ -65,7 +65,7 @@ class ParquetStore:
         first = results[0]
         which = zlib.crc32(repr([result.cell for result in results]).encode())
         name = f"{first.cell.flight.replace('/', '-')}-{first.seed:06d}-{which:08x}.parquet"
-        temporary = self.folder / f"{name}.part"
+        temporary = self.folder / f".{name}.part"
         try:
             with temporary.open("wb") as file:
                 pq.write_table(_table(results, origin), file, compression="zstd")
