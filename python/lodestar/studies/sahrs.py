@@ -131,7 +131,9 @@ class SahrsStudy:
             config = estimator_config(variant.flown, sensed, variant.config())
             answered = run(sensed, config)
             errors = Errors.of(answered)
-            figures = dict(score(errors, _windows(variant, answered["TRUTH"], errors)))
+            name = variant.scenario.name
+            windows = hard_windows(name, answered["TRUTH"], errors.time_us)
+            figures = dict(score(errors, windows))
             results.append(Result(variant.cell, seed, figures, dict(series(errors))))
         return results
 
@@ -242,8 +244,8 @@ def nees(error: Array, sigma: Array) -> Array:
     return np.asarray(np.mean((error / sigma) ** 2, axis=-1))
 
 
-def _windows(variant: Variant, truth: Channel, errors: Errors) -> dict[str, Rows]:
-    """Which samples are during and which after hard manoeuvring; none in a calm scenario.
+def hard_windows(scenario: str, truth: Channel, time_us: NDArray[np.int64]) -> dict[str, Rows]:
+    """Which of the times are during and which after hard manoeuvring; none in a calm scenario.
 
     Hard is a load factor above 1.8 or below 0.2, a body rate above 40 deg/s, or a pitch above
     30 deg: what no calm route does, and every hard manoeuvre begins and ends with.
@@ -252,12 +254,12 @@ def _windows(variant: Variant, truth: Channel, errors: Errors) -> dict[str, Rows
     hard = (load > 1.8) | (load < 0.2)
     hard |= np.linalg.norm(truth["omega_B"], axis=1) > np.deg2rad(40.0)
     hard |= np.abs(truth["pitch"]) > np.deg2rad(30.0)
-    time = truth["time_us"][hard]
-    if not is_hard(variant.scenario.name) or not len(time):
-        return dict.fromkeys(WINDOWS, np.zeros(len(errors.time_us), bool))
+    moments = truth["time_us"][hard]
+    if not is_hard(scenario) or not len(moments):
+        return dict.fromkeys(WINDOWS, np.zeros(len(time_us), bool))
     return {
-        "during": (errors.time_us >= time[0]) & (errors.time_us <= time[-1]),
-        "after": errors.time_us > time[-1] + RECOVERY_S * 1e6,
+        "during": (time_us >= moments[0]) & (time_us <= moments[-1]),
+        "after": time_us > moments[-1] + RECOVERY_S * 1e6,
     }
 
 

@@ -53,7 +53,7 @@ def rows(ensemble: Ensemble) -> Iterator[Row]:
         yield from _error_rows(ensemble, "after_", f"{cell.case}/after", calm, after)
     most = 0 if _judged(ensemble) else None
     violations = int(np.sum(_violations(ensemble)))
-    yield row(cell.case, cell.estimator, "violations", violations, limit=most)
+    yield row(cell.case, cell.estimator, "violations", violations, reference=0, limit=most)
     for multiple in COVERED:
         for axis in AXES:
             metric = f"coverage_{multiple}sigma_{axis}"
