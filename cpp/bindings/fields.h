@@ -150,6 +150,7 @@ void fields(const samples::Health& s, Visit&& visit) {
   visit("cycle_p99", s.cycle.p99);
   visit("cycle_max", s.cycle.max);
   visit("cycle_histogram", s.cycle.histogram);
+  visit("sahrs_form", static_cast<std::int8_t>(s.sahrs_form));
   visit("sahrs_mode", static_cast<std::int8_t>(s.sahrs_mode));
   visit("fusion_mode", static_cast<std::int8_t>(s.fusion_mode));
   visit("ahrs_mode", static_cast<std::int8_t>(s.ahrs_mode));

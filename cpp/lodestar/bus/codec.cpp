@@ -264,6 +264,7 @@ void encode(const samples::Health& s, Message& message) noexcept {
   m.cycle_p99 = s.cycle.p99;
   m.cycle_max = s.cycle.max;
   store(s.cycle.histogram, m.cycle_histogram);
+  m.sahrs_form = static_cast<std::int8_t>(s.sahrs_form);
   m.sahrs_mode = static_cast<std::int8_t>(s.sahrs_mode);
   m.fusion_mode = static_cast<std::int8_t>(s.fusion_mode);
   m.ahrs_mode = static_cast<std::int8_t>(s.ahrs_mode);

@@ -13,6 +13,7 @@
 #include "lodestar/math/rotation.h"
 #include "lodestar/monitor/parameters.h"
 #include "lodestar/sahrs/parameters.h"
+#include "lodestar/strapdown/parameters.h"
 
 namespace lodestar::navigator {
 
@@ -101,6 +102,7 @@ struct Config {
   TimeoutParameters timeout;
   sahrs::FieldCalibration smdu_calibration;
   sahrs::Parameters sahrs;
+  strapdown::Parameters strapdown;
   fusion::CascadeParameters cascade;
   monitor::InsMonitorParameters ins_monitor;
   std::uint32_t hash = 0;  // CRC-32 of the text it was read from; 0 for the built-in defaults
@@ -113,6 +115,7 @@ struct Config {
     section("timeout", self.timeout);
     section("smdu_calibration", self.smdu_calibration);
     section("sahrs", self.sahrs);
+    section("strapdown", self.strapdown);
     section("fusion.cascade", self.cascade);
     section("monitor.ins", self.ins_monitor);
   }

@@ -13,9 +13,9 @@ namespace {
 
 constexpr std::int64_t kMonitorStep = kSecond / 10;  // between two INS.MONITOR
 
-sahrs::PaperSahrs make_sahrs(const Config& config) {
-  sahrs::PaperSahrs sahrs(config.sahrs, config.smdu_calibration, config.earth.geomagnetic_model,
-                          config.earth.epoch_year);
+sahrs::Sahrs make_sahrs(const Config& config) {
+  sahrs::Sahrs sahrs(config.sahrs, config.strapdown, config.smdu_calibration,
+                     config.earth.geomagnetic_model, config.earth.epoch_year);
   const InitialParameters& initial = config.initial;
   sahrs.set_position(initial.lat, initial.lon, initial.h);
   return sahrs;
@@ -268,15 +268,17 @@ samples::Health Navigator::health() const {
   set_state(Channel::kGpsObservables, gps_observables_);
   set_state(Channel::kSar, sar_);
   set_state(Channel::kRadarAltitude, radar_altitude_);
+  health.sahrs_form = sahrs_.form();
   health.sahrs_mode = outputs_.sahrs.mode;
   health.fusion_mode = outputs_.nav.mode;
   health.calibration_id = calibration_id(config_.smdu_calibration);
   health.config_hash = config_.hash;
-  std::copy(sahrs_.innovation().begin(), sahrs_.innovation().end(), health.innovation.begin());
-  std::copy(sahrs_.innovation_sigma().begin(), sahrs_.innovation_sigma().end(),
-            health.innovation_sigma.begin());
+  const sahrs::Sahrs::Rows innovation = sahrs_.innovation();
+  const sahrs::Sahrs::Rows innovation_sigma = sahrs_.innovation_sigma();
+  std::copy(innovation.begin(), innovation.end(), health.innovation.begin());
+  std::copy(innovation_sigma.begin(), innovation_sigma.end(), health.innovation_sigma.begin());
   for (int axis = 0; axis < 2; ++axis) {
-    const std::size_t row = sahrs_.innovation().size() + static_cast<std::size_t>(axis);
+    const std::size_t row = innovation.size() + static_cast<std::size_t>(axis);
     health.innovation[row] = cascade_.innovation()(axis);
     health.innovation_sigma[row] = cascade_.innovation_sigma()(axis);
   }

@@ -11,7 +11,7 @@
 #include "lodestar/navigator/frame_clock.h"
 #include "lodestar/navigator/pending.h"
 #include "lodestar/navigator/sensor_watch.h"
-#include "lodestar/sahrs/paper_sahrs.h"
+#include "lodestar/sahrs/sahrs.h"
 #include "lodestar/samples/health.h"
 #include "lodestar/samples/samples.h"
 
@@ -100,7 +100,7 @@ class Navigator {
   Config config_;
   earth::GeomagneticModel field_model_;  // for its validity
   FrameClock clock_;
-  sahrs::PaperSahrs sahrs_;
+  sahrs::Sahrs sahrs_;
   fusion::Cascade cascade_;
   monitor::InsMonitor ins_monitor_;
   samples::Counters counters_{};

@@ -47,6 +47,9 @@ struct Attitude {
   Eigen::Vector3d sigma_B() const { return P_B.diagonal().cwiseSqrt(); }
 };
 
+/// What SAHRS is made of; the measurements that bits and rows speak of are those of its form.
+enum class SahrsForm : std::int8_t { kVelocity = 0, kPaper = 1 };
+
 /// NAV.
 struct Navigation {
   std::int64_t time_us = 0;

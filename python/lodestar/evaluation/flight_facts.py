@@ -55,7 +55,7 @@ def channel_table(recording: Recording) -> Table:
         for name, channel in recording.channels.items()
     ]
     header = ("channel", "messages", "rate, Hz", "used", "refused")
-    return Table("Channels", header, rows)
+    return Table("Channels", header, rows, wide=True)
 
 
 def _counts(channel: Channel) -> tuple[str, str]:
