@@ -171,9 +171,10 @@ def chosen(what: str, given: Sequence[str], allowed: Sequence[str]) -> tuple[str
 
 
 def describe(scenario: Scenario, engine: str) -> str:
-    """Scenario, route and engine as a text that changes with any of them."""
+    """Scenario, route, engine and how flights are scored here: changes with any of them."""
     version = metadata.version("jsbsim") if engine == "jsbsim" else ""
-    return f"{scenario!r}\n{Path(scenario.route).read_text()}\n{engine} {version}"
+    texts = [Path(name).read_text() for name in (scenario.route, __file__)]
+    return "\n".join([repr(scenario), engine, version, *texts])
 
 
 @dataclass(frozen=True)
