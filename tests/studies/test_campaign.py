@@ -119,6 +119,7 @@ def test_results_of_another_scenario_are_not_mixed_in(tmp_path):
 
 
 def test_the_origin_tells_scenarios_routes_and_engines_apart():
+    pytest.importorskip("jsbsim", reason="the extra lodestar[jsbsim] is not installed")
     study = sahrs_study(["ordinary"], [], [], set())
     assert origin(study, "ordinary/profile") != origin(study, "ordinary/jsbsim")
     longer = replace(study.scenarios[0], duration_s=2000)

@@ -73,7 +73,10 @@ class Study(Protocol):
         ...
 
     def inputs(self, flight: str) -> str:
-        """Everything a person may change that the results of a flight depend on."""
+        """Everything a person may change that the results of a flight depend on.
+
+        Raises InputError where a flight cannot be made at all.
+        """
         ...
 
 
