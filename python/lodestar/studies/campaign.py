@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 
 import lodestar
 from lodestar import _core
+from lodestar.errors import InputError
 
 Progress = Callable[[int, int], None]
 """Told how many flights are done, of how many."""
@@ -157,7 +158,10 @@ def _tasks(study: Study, seeds: range, store: Store, origins: dict[str, str]) ->
 
 
 def _fly(task: Task) -> list[Result]:
-    return task.study.fly(task.cells, task.seed)
+    try:
+        return task.study.fly(task.cells, task.seed)
+    except InputError as error:
+        raise InputError(f"{task.cells[0].flight}, seed {task.seed}: {error}") from None
 
 
 @lru_cache(maxsize=8)

@@ -112,10 +112,14 @@ def _breaks(result: Result, required: dict[str, float], window: str = "") -> boo
     return any(not result.figures[window + metric] <= most for metric, most in required.items())
 
 
+def _is_calm_in_turbulence(case: str) -> bool:
+    return requirements.is_turbulent(case) and not requirements.is_hard(case)
+
+
 # Name, whether a case belongs to it, what the paper requires there, and of which window.
 _CLASSES: tuple[tuple[str, Callable[[str], bool], dict[str, float], str], ...] = (
     ("calm", requirements.is_calm, requirements.CALM, ""),
-    ("calm, in turbulence", requirements.is_turbulent, requirements.CALM, ""),
+    ("calm, in turbulence", _is_calm_in_turbulence, requirements.CALM, ""),
     ("hard", requirements.is_hard, requirements.HARD, ""),
     ("after hard", requirements.is_hard, requirements.CALM, "after_"),
 )
