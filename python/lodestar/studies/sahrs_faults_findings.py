@@ -113,9 +113,8 @@ def _rejections(ensembles: Sequence[Ensemble]) -> Table:
     for ensemble in ensembles:
         resets = f"{np.mean(ensemble.figure('resets')):.1f}"
         reasons = [(reason, reason) for reason in _REASONS]
-        refused = "; ".join(
-            _counted(ensemble, named) for named in (_measurements(ensemble), reasons)
-        )
+        counted = [_counted(ensemble, named) for named in (_measurements(ensemble), reasons)]
+        refused = "; ".join(filter(None, counted)) or NONE
         body.append((*_names(ensemble), resets, refused))
     header = ("case", "form", "resets", "measurements refused; why, by channel and check")
     title = "Refused during the fault, mean of the flights"
@@ -124,7 +123,7 @@ def _rejections(ensembles: Sequence[Ensemble]) -> Table:
 
 def _counted(ensemble: Ensemble, named: Sequence[tuple[str, str]]) -> str:
     counts = [(name, float(np.mean(ensemble.figure(figure)))) for name, figure in named]
-    return ", ".join(f"{name} {count:.4g}" for name, count in counts if count) or NONE
+    return ", ".join(f"{name} {count:.4g}" for name, count in counts if count)
 
 
 def _names(ensemble: Ensemble) -> tuple[str, str]:
