@@ -117,6 +117,15 @@ void fields(const samples::Navigation& s, Visit&& visit) {
   visit("valid", s.valid);
 }
 
+template <class Visit>
+void fields(const samples::InsMonitor& s, Visit&& visit) {
+  visit("time_us", s.time_us);
+  visit("difference", s.difference);
+  visit("threshold", s.threshold);
+  visit("time_over", s.time_over);
+  visit("state", static_cast<std::int8_t>(s.state));
+}
+
 /// The numbers of HEALTH that an in-process run has: those that no shell adds.
 template <class Visit>
 void fields(const samples::Health& s, Visit&& visit) {

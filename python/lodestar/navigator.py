@@ -16,7 +16,7 @@ _ESTIMATED = ("EFCS.RATES", "EFCS.LOAD_FACTOR", "SMDU", "ADC", "GPS", "INS")
 
 
 def run(recording: Recording, config: str = "", calibration: str = "") -> Recording:
-    """Run ``recording`` through a fresh navigator; return its inputs with SAHRS, NAV and HEALTH.
+    """Run ``recording`` through a fresh navigator; return its inputs and the answers.
 
     ``config`` and ``calibration`` are TOML texts, as ``lodestar-fc`` reads them from files.
     Raises InputError for a bad configuration or a recording without body rates.

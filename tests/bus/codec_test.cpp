@@ -7,6 +7,7 @@
 #include <limits>
 #include <lodestar/attitude_t.hpp>
 #include <lodestar/health_t.hpp>
+#include <lodestar/ins_monitor_t.hpp>
 #include <lodestar/navigation_t.hpp>
 #include <optional>
 #include <string>
@@ -321,6 +322,25 @@ TEST(Codec, PublishesEveryFieldOfANavigationSolution) {
   EXPECT_EQ(m.reset_count, 2);
   EXPECT_EQ(m.mode, 2);
   EXPECT_EQ(m.valid, 1);
+}
+
+TEST(Codec, PublishesEveryFieldOfTheInsMonitor) {
+  samples::InsMonitor s;
+  s.time_us = 80;
+  s.difference = Eigen::Vector3d(1.0, 2.0, 3.0);
+  s.threshold = Eigen::Vector3d(4.0, 5.0, 6.0);
+  s.time_over = Eigen::Vector3d(7.0, 8.0, 9.0);
+  s.state = samples::InsState::kMiscompare;
+  Message message;
+  encode(s, message);
+  const auto m = read_back<ins_monitor_t>(message);
+  EXPECT_EQ(m.time_us, 80);
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_EQ(m.difference[i], 1.0 + i);
+    EXPECT_EQ(m.threshold[i], 4.0 + i);
+    EXPECT_EQ(m.time_over[i], 7.0 + i);
+  }
+  EXPECT_EQ(m.state, 3);
 }
 
 TEST(Codec, PublishesEveryFieldOfHealth) {

@@ -8,6 +8,7 @@
 #include <lodestar/gps_fix_t.hpp>
 #include <lodestar/gps_observables_t.hpp>
 #include <lodestar/health_t.hpp>
+#include <lodestar/ins_monitor_t.hpp>
 #include <lodestar/ins_solution_t.hpp>
 #include <lodestar/load_factor_t.hpp>
 #include <lodestar/magnetic_field_t.hpp>
@@ -237,6 +238,16 @@ void encode(const samples::Navigation& s, Message& message) noexcept {
   store(s.reset_delta, m.reset_delta);
   m.mode = static_cast<std::int8_t>(s.mode);
   m.valid = s.valid ? 1 : 0;
+  write(m, message);
+}
+
+void encode(const samples::InsMonitor& s, Message& message) noexcept {
+  ins_monitor_t m{};
+  m.time_us = s.time_us;
+  store(s.difference, m.difference);
+  store(s.threshold, m.threshold);
+  store(s.time_over, m.time_over);
+  m.state = static_cast<std::int8_t>(s.state);
   write(m, message);
 }
 

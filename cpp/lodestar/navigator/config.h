@@ -11,6 +11,7 @@
 #include "lodestar/fusion/cascade_parameters.h"
 #include "lodestar/math/parameter.h"
 #include "lodestar/math/rotation.h"
+#include "lodestar/monitor/parameters.h"
 #include "lodestar/sahrs/parameters.h"
 #include "lodestar/strapdown/parameters.h"
 
@@ -103,6 +104,7 @@ struct Config {
   sahrs::Parameters sahrs;
   strapdown::Parameters strapdown;
   fusion::CascadeParameters cascade;
+  monitor::InsMonitorParameters ins_monitor;
   std::uint32_t hash = 0;  // CRC-32 of the text it was read from; 0 for the built-in defaults
 
   /// Calls `section(name, parameters)` for each section, in the order of the docs.
@@ -115,6 +117,7 @@ struct Config {
     section("sahrs", self.sahrs);
     section("strapdown", self.strapdown);
     section("fusion.cascade", self.cascade);
+    section("monitor.ins", self.ins_monitor);
   }
 };
 

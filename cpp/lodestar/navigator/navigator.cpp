@@ -11,6 +11,8 @@ using samples::Use;
 
 namespace {
 
+constexpr std::int64_t kMonitorStep = kSecond / 10;  // between two INS.MONITOR
+
 sahrs::Sahrs make_sahrs(const Config& config) {
   sahrs::Sahrs sahrs(config.sahrs, config.strapdown, config.smdu_calibration,
                      config.earth.geomagnetic_model, config.earth.epoch_year);
@@ -36,15 +38,17 @@ fusion::Cascade make_cascade(const Config& config) {
 
 Navigator::Navigator(const Config& config)
     : config_(config),
+      field_model_(config.earth.geomagnetic_model),
       sahrs_(make_sahrs(config)),
       cascade_(make_cascade(config)),
+      ins_monitor_(config.ins_monitor, config.timeout.ins),
       body_rates_(config.timeout.body_rates),
       inputs_({Channel::kLoadFactor, config.timeout.load_factor},
               {Channel::kMagneticField, config.timeout.magnetic_field},
-              {Channel::kAirData, config.timeout.air_data}, {Channel::kGps, config.timeout.gps}),
+              {Channel::kAirData, config.timeout.air_data}, {Channel::kGps, config.timeout.gps},
+              {Channel::kIns, config.timeout.ins}),
       specific_force_(config.timeout.other),
       gps_observables_(config.timeout.other),
-      ins_(config.timeout.ins),
       sar_(config.timeout.other),
       radar_altitude_(config.timeout.other) {}
 
@@ -71,6 +75,7 @@ void Navigator::offer(const samples::LoadFactor& s) { hold(std::get<0>(inputs_),
 void Navigator::offer(const samples::MagneticField& s) { hold(std::get<1>(inputs_), s); }
 void Navigator::offer(const samples::AirData& s) { hold(std::get<2>(inputs_), s); }
 void Navigator::offer(const samples::GpsFix& s) { hold(std::get<3>(inputs_), s); }
+void Navigator::offer(const samples::InsSolution& s) { hold(std::get<4>(inputs_), s); }
 
 void Navigator::offer(const samples::SpecificForce& s) {
   accept(specific_force_, Channel::kSpecificForce, s);
@@ -78,7 +83,6 @@ void Navigator::offer(const samples::SpecificForce& s) {
 void Navigator::offer(const samples::GpsObservables& s) {
   accept(gps_observables_, Channel::kGpsObservables, s);
 }
-void Navigator::offer(const samples::InsSolution& s) { accept(ins_, Channel::kIns, s); }
 void Navigator::offer(const samples::SarMeasurement& s) { accept(sar_, Channel::kSar, s); }
 void Navigator::offer(const samples::RadarAltitude& s) {
   accept(radar_altitude_, Channel::kRadarAltitude, s);
@@ -128,6 +132,7 @@ void Navigator::start_over() {
   restarts_ = static_cast<std::int16_t>(outputs_.sahrs.reset_count + 1);
   sahrs_ = make_sahrs(config_);
   cascade_ = make_cascade(config_);
+  ins_monitor_ = monitor::InsMonitor(config_.ins_monitor, config_.timeout.ins);
   body_rates_.restart();
   const auto restart = [](auto& input) {
     input.watch.restart();
@@ -136,6 +141,7 @@ void Navigator::start_over() {
   };
   std::apply([&](auto&... input) { (restart(input), ...); }, inputs_);
   next_health_us_ = 0;
+  next_monitor_us_ = 0;
 }
 
 void Navigator::estimate(const samples::BodyRates& rates) {
@@ -144,6 +150,11 @@ void Navigator::estimate(const samples::BodyRates& rates) {
   sahrs_.finish_frame();
   cascade_.propagate(sahrs_.attitude());
   apply_in_order(std::get<3>(inputs_));
+  ins_monitor_.propagate(sahrs_.attitude());
+  apply_in_order(std::get<4>(inputs_));
+  if (const auto heading = ins_monitor_.take_failure()) {
+    cascade_.know_heading_error(heading->error, heading->sigma, heading->time_us);
+  }
   std::apply([this](auto&... input) { (drop_future(input), ...); }, inputs_);
   const samples::Navigation& nav = cascade_.navigation();
   if (nav.valid) sahrs_.set_position(nav.lat, nav.lon, nav.h);
@@ -204,6 +215,13 @@ Use Navigator::apply(const samples::AirData& sample) {
   return sahrs_.update(sample);
 }
 
+// Never an input of SAHRS: who watches the INS, or learns from it for the next flight, takes it
+// here.
+Use Navigator::apply(const samples::InsSolution& sample) {
+  ins_monitor_.compare(sample);
+  return Use::kHeld;
+}
+
 template <class AnyInput>
 void Navigator::drop_future(AnyInput& input) {
   bool dropped = false;
@@ -226,6 +244,12 @@ void Navigator::publish(std::int64_t time_us, bool first) {
   const bool bridged = time_us - rates_us_ <= kLongestCoast;
   outputs_.sahrs.valid = outputs_.sahrs.valid && bridged;
   outputs_.nav.valid = outputs_.nav.valid && bridged;
+  const samples::InsState before = outputs_.ins_monitor.state;
+  outputs_.ins_monitor = ins_monitor_.state();
+  outputs_.ins_monitor.time_us = time_us;
+  const bool news = outputs_.ins_monitor.state != before;
+  outputs_.ins_monitor_due = first || news || time_us >= next_monitor_us_;
+  if (outputs_.ins_monitor_due) next_monitor_us_ = (time_us / kMonitorStep + 1) * kMonitorStep;
   outputs_.health_due = first || time_us >= next_health_us_;
   if (outputs_.health_due) next_health_us_ = (time_us / kSecond + 1) * kSecond;
 }
@@ -242,7 +266,6 @@ samples::Health Navigator::health() const {
   std::apply([&](const auto&... input) { (set_state(input.channel, input.watch), ...); }, inputs_);
   set_state(Channel::kSpecificForce, specific_force_);
   set_state(Channel::kGpsObservables, gps_observables_);
-  set_state(Channel::kIns, ins_);
   set_state(Channel::kSar, sar_);
   set_state(Channel::kRadarAltitude, radar_altitude_);
   health.sahrs_form = sahrs_.form();
@@ -260,6 +283,10 @@ samples::Health Navigator::health() const {
     health.innovation_sigma[row] = cascade_.innovation_sigma()(axis);
   }
   health.assumption_rejects = sahrs_.assumption_rejects();
+  const double h = outputs_.nav.valid ? outputs_.nav.h : config_.initial.h;
+  if (!field_model_.validity(config_.earth.epoch_year, h).valid()) {
+    health.warning = samples::kWarningFieldModel;
+  }
   return health;
 }
 

@@ -4,7 +4,9 @@
 #include <cstdint>
 #include <tuple>
 
+#include "lodestar/earth/geomagnetic_model.h"
 #include "lodestar/fusion/cascade.h"
+#include "lodestar/monitor/ins_monitor.h"
 #include "lodestar/navigator/config.h"
 #include "lodestar/navigator/frame_clock.h"
 #include "lodestar/navigator/pending.h"
@@ -19,7 +21,9 @@ namespace lodestar::navigator {
 struct Outputs {
   samples::Attitude sahrs;
   samples::Navigation nav;
-  bool health_due = false;  // once per second of flight time, and on the first frame
+  samples::InsMonitor ins_monitor;
+  bool ins_monitor_due = false;  // ten times a second, and at once on a change of state
+  bool health_due = false;       // once per second of flight time, and on the first frame
 };
 
 /// The flight computer without its shell: timed samples in, timed outputs out.
@@ -39,10 +43,10 @@ class Navigator {
   void offer(const samples::MagneticField& sample);
   void offer(const samples::AirData& sample);
   void offer(const samples::GpsFix& sample);
+  void offer(const samples::InsSolution& sample);
   // Channels of estimators that this build does not have: checked and counted, then forgotten.
   void offer(const samples::SpecificForce& sample);
   void offer(const samples::GpsObservables& sample);
-  void offer(const samples::InsSolution& sample);
   void offer(const samples::SarMeasurement& sample);
   void offer(const samples::RadarAltitude& sample);
 
@@ -88,27 +92,31 @@ class Navigator {
   samples::Use apply(const samples::MagneticField& sample) { return sahrs_.update(sample); }
   samples::Use apply(const samples::AirData& sample);
   samples::Use apply(const samples::GpsFix& sample) { return cascade_.update(sample); }
+  samples::Use apply(const samples::InsSolution& sample);
   template <class AnyInput>
   void drop_future(AnyInput& input);
   void publish(std::int64_t time_us, bool first);
 
   Config config_;
+  earth::GeomagneticModel field_model_;  // for its validity
   FrameClock clock_;
   sahrs::Sahrs sahrs_;
   fusion::Cascade cascade_;
+  monitor::InsMonitor ins_monitor_;
   samples::Counters counters_{};
   Outputs outputs_;
-  std::int64_t rates_us_ = 0;        // time of the last body rates that could be used
-  std::int64_t next_health_us_ = 0;  // flight time at which HEALTH is due
-  std::int16_t restarts_ = 0;        // attitude resets before the last start over
+  std::int64_t rates_us_ = 0;         // time of the last body rates that could be used
+  std::int64_t next_health_us_ = 0;   // flight time at which HEALTH is due
+  std::int64_t next_monitor_us_ = 0;  // ... and INS.MONITOR
+  std::int16_t restarts_ = 0;         // attitude resets before the last start over
 
   SensorWatch<samples::BodyRates> body_rates_;
   std::tuple<Input<samples::LoadFactor, kDeep>, Input<samples::MagneticField, kShallow>,
-             Input<samples::AirData, kShallow>, Input<samples::GpsFix, kShallow>>
+             Input<samples::AirData, kShallow>, Input<samples::GpsFix, kShallow>,
+             Input<samples::InsSolution, kShallow>>
       inputs_;
   SensorWatch<samples::SpecificForce> specific_force_;
   SensorWatch<samples::GpsObservables> gps_observables_;
-  SensorWatch<samples::InsSolution> ins_;
   SensorWatch<samples::SarMeasurement> sar_;
   SensorWatch<samples::RadarAltitude> radar_altitude_;
 };

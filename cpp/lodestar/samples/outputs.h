@@ -74,4 +74,20 @@ struct Navigation {
   bool valid = false;
 };
 
+enum class InsState : std::int8_t {
+  kNone = 0,        // no INS, or no valid SAHRS to compare it with
+  kAgree = 1,       // every difference within its threshold
+  kSuspect = 2,     // one is not, or not clearly
+  kMiscompare = 3,  // one has been over its threshold for too long
+};
+
+/// INS.MONITOR. Axes: along the heading, to its right, down; in level flight roll, pitch, heading.
+struct InsMonitor {
+  std::int64_t time_us = 0;
+  Eigen::Vector3d difference = Eigen::Vector3d::Zero();  // rad, INS - SAHRS
+  Eigen::Vector3d threshold = Eigen::Vector3d::Zero();   // rad, of its absolute value
+  Eigen::Vector3d time_over = Eigen::Vector3d::Zero();   // s
+  InsState state = InsState::kNone;
+};
+
 }  // namespace lodestar::samples
