@@ -50,6 +50,14 @@ class LevelFlight {
     s.baro_altitude = 3000.0 + noise(0.3);
     return s;
   }
+  samples::InsSolution ins(std::int64_t time_us) {
+    samples::InsSolution s;
+    s.time_us = time_us;
+    s.roll = noise(1e-4);
+    s.pitch = noise(1e-4);
+    s.heading = math::wrap_2pi(noise(1e-4));
+    return s;
+  }
   samples::GpsFix fix(std::int64_t time_us) {
     samples::GpsFix s;
     s.time_us = time_us;
@@ -155,6 +163,27 @@ TEST(Navigator, AMeasurementWaitsForTheFrameOfItsTime) {
   EXPECT_EQ(flight.used(Channel::kMagneticField), before);
   flight.navigator.step(flight.rates(2'040'000));
   EXPECT_EQ(flight.used(Channel::kMagneticField), before + 1);
+}
+
+TEST(Navigator, AnInsSolutionWaitsForItsFrameAndNeverMovesSahrs) {
+  LevelFlight flight;
+  LevelFlight alone;
+  flight.fly(2'000'000);
+  alone.fly(2'000'000);
+  samples::InsSolution ins = flight.ins(2'030'000);
+  ins.roll = 0.5;
+  alone.ins(2'030'000);  // draws the same noise
+  flight.navigator.offer(ins);
+  flight.fly(2'020'000);
+  EXPECT_EQ(flight.used(Channel::kIns), 0);
+  flight.fly(5'000'000);
+  alone.fly(5'000'000);
+  EXPECT_EQ(flight.used(Channel::kIns), 1);
+  EXPECT_EQ(flight.outputs.back().sahrs.q_NB.coeffs(), alone.outputs.back().sahrs.q_NB.coeffs());
+  samples::InsSolution late = flight.ins(3'900'000);
+  flight.navigator.offer(late);
+  flight.fly(5'020'000);
+  EXPECT_EQ(flight.rejected(Channel::kIns, Reason::kLate), 1);
 }
 
 TEST(Navigator, AMeasurementMayBeOneSecondOldAndNoOlder) {

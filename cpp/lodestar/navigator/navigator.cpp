@@ -41,10 +41,10 @@ Navigator::Navigator(const Config& config)
       body_rates_(config.timeout.body_rates),
       inputs_({Channel::kLoadFactor, config.timeout.load_factor},
               {Channel::kMagneticField, config.timeout.magnetic_field},
-              {Channel::kAirData, config.timeout.air_data}, {Channel::kGps, config.timeout.gps}),
+              {Channel::kAirData, config.timeout.air_data}, {Channel::kGps, config.timeout.gps},
+              {Channel::kIns, config.timeout.ins}),
       specific_force_(config.timeout.other),
       gps_observables_(config.timeout.other),
-      ins_(config.timeout.ins),
       sar_(config.timeout.other),
       radar_altitude_(config.timeout.other) {}
 
@@ -71,6 +71,7 @@ void Navigator::offer(const samples::LoadFactor& s) { hold(std::get<0>(inputs_),
 void Navigator::offer(const samples::MagneticField& s) { hold(std::get<1>(inputs_), s); }
 void Navigator::offer(const samples::AirData& s) { hold(std::get<2>(inputs_), s); }
 void Navigator::offer(const samples::GpsFix& s) { hold(std::get<3>(inputs_), s); }
+void Navigator::offer(const samples::InsSolution& s) { hold(std::get<4>(inputs_), s); }
 
 void Navigator::offer(const samples::SpecificForce& s) {
   accept(specific_force_, Channel::kSpecificForce, s);
@@ -78,7 +79,6 @@ void Navigator::offer(const samples::SpecificForce& s) {
 void Navigator::offer(const samples::GpsObservables& s) {
   accept(gps_observables_, Channel::kGpsObservables, s);
 }
-void Navigator::offer(const samples::InsSolution& s) { accept(ins_, Channel::kIns, s); }
 void Navigator::offer(const samples::SarMeasurement& s) { accept(sar_, Channel::kSar, s); }
 void Navigator::offer(const samples::RadarAltitude& s) {
   accept(radar_altitude_, Channel::kRadarAltitude, s);
@@ -144,6 +144,7 @@ void Navigator::estimate(const samples::BodyRates& rates) {
   sahrs_.finish_frame();
   cascade_.propagate(sahrs_.attitude());
   apply_in_order(std::get<3>(inputs_));
+  apply_in_order(std::get<4>(inputs_));
   std::apply([this](auto&... input) { (drop_future(input), ...); }, inputs_);
   const samples::Navigation& nav = cascade_.navigation();
   if (nav.valid) sahrs_.set_position(nav.lat, nav.lon, nav.h);
@@ -204,6 +205,10 @@ Use Navigator::apply(const samples::AirData& sample) {
   return sahrs_.update(sample);
 }
 
+// Never an input of SAHRS: who watches the INS, or learns from it for the next flight, takes it
+// here.
+Use Navigator::apply(const samples::InsSolution&) { return Use::kHeld; }
+
 template <class AnyInput>
 void Navigator::drop_future(AnyInput& input) {
   bool dropped = false;
@@ -242,7 +247,6 @@ samples::Health Navigator::health() const {
   std::apply([&](const auto&... input) { (set_state(input.channel, input.watch), ...); }, inputs_);
   set_state(Channel::kSpecificForce, specific_force_);
   set_state(Channel::kGpsObservables, gps_observables_);
-  set_state(Channel::kIns, ins_);
   set_state(Channel::kSar, sar_);
   set_state(Channel::kRadarAltitude, radar_altitude_);
   health.sahrs_mode = outputs_.sahrs.mode;

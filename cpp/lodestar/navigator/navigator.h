@@ -39,10 +39,10 @@ class Navigator {
   void offer(const samples::MagneticField& sample);
   void offer(const samples::AirData& sample);
   void offer(const samples::GpsFix& sample);
+  void offer(const samples::InsSolution& sample);
   // Channels of estimators that this build does not have: checked and counted, then forgotten.
   void offer(const samples::SpecificForce& sample);
   void offer(const samples::GpsObservables& sample);
-  void offer(const samples::InsSolution& sample);
   void offer(const samples::SarMeasurement& sample);
   void offer(const samples::RadarAltitude& sample);
 
@@ -88,6 +88,7 @@ class Navigator {
   samples::Use apply(const samples::MagneticField& sample) { return sahrs_.update(sample); }
   samples::Use apply(const samples::AirData& sample);
   samples::Use apply(const samples::GpsFix& sample) { return cascade_.update(sample); }
+  samples::Use apply(const samples::InsSolution& sample);
   template <class AnyInput>
   void drop_future(AnyInput& input);
   void publish(std::int64_t time_us, bool first);
@@ -104,11 +105,11 @@ class Navigator {
 
   SensorWatch<samples::BodyRates> body_rates_;
   std::tuple<Input<samples::LoadFactor, kDeep>, Input<samples::MagneticField, kShallow>,
-             Input<samples::AirData, kShallow>, Input<samples::GpsFix, kShallow>>
+             Input<samples::AirData, kShallow>, Input<samples::GpsFix, kShallow>,
+             Input<samples::InsSolution, kShallow>>
       inputs_;
   SensorWatch<samples::SpecificForce> specific_force_;
   SensorWatch<samples::GpsObservables> gps_observables_;
-  SensorWatch<samples::InsSolution> ins_;
   SensorWatch<samples::SarMeasurement> sar_;
   SensorWatch<samples::RadarAltitude> radar_altitude_;
 };
