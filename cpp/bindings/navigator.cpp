@@ -6,8 +6,10 @@
 
 #include <functional>
 #include <string>
+#include <variant>
 
 #include "columns.h"
+#include "lodestar/storage/calibration_file.h"
 
 namespace lodestar::bindings {
 namespace {
@@ -22,6 +24,7 @@ using Feed = std::function<void(std::size_t)>;
 struct Collected {
   SampleCollector<samples::Attitude> sahrs;
   SampleCollector<samples::Navigation> nav;
+  SampleCollector<samples::SmduCalibration> smdu_calibration;
   SampleCollector<samples::Health> health;
 };
 
@@ -39,7 +42,9 @@ Feed step_feed(Navigator& navigator, Collected& collected, const std::string& ch
     if (outputs == nullptr) return;
     collected.sahrs.add(outputs->sahrs);
     collected.nav.add(outputs->nav);
-    if (outputs->health_due) collected.health.add(navigator.health());
+    if (!outputs->health_due) return;
+    collected.smdu_calibration.add(outputs->smdu_calibration);
+    collected.health.add(navigator.health());
   };
 }
 
@@ -54,17 +59,29 @@ Feed feed(Navigator& navigator, Collected& collected, const std::string& name,
   throw std::invalid_argument("channel " + name + ": not an input of an in-process run");
 }
 
+/// The bytes of a stored calibration, or a text (TOML); neither if empty.
+void use_calibration(navigator::Config& config, const std::string& bytes) {
+  if (bytes.empty()) return;
+  if (!storage::looks_like_calibration(bytes)) {
+    navigator::apply_calibration(config, bytes, "calibration");
+    return;
+  }
+  const auto decoded = sahrs::smdu::decode(bytes, config.airframe.id);
+  if (const auto* refusal = std::get_if<sahrs::smdu::Refusal>(&decoded)) {
+    throw navigator::ConfigError(std::string("calibration: ") + name(*refusal));
+  }
+  navigator::apply_calibration(config, std::get<sahrs::smdu::Record>(decoded));
+}
+
 /// Runs a whole recording through a fresh navigator, message by message in the given order.
-py::dict run(const std::string& config_text, const std::string& calibration_text,
+py::dict run(const std::string& config_text, const std::string& calibration,
              const py::dict& channels, const std::vector<std::string>& names,
              const Indices& channel, const Indices& row) {
   if (channel.size() != row.size()) throw std::invalid_argument("channel, row: lengths differ");
   const auto which = channel.unchecked<1>();
   const auto where = row.unchecked<1>();
   navigator::Config config = navigator::parse_config(config_text, "config");
-  if (!calibration_text.empty()) {
-    navigator::apply_calibration(config, calibration_text, "calibration");
-  }
+  use_calibration(config, calibration);
   Navigator navigator(config);
   Collected collected;
   std::vector<Feed> feeds;
@@ -85,6 +102,7 @@ py::dict run(const std::string& config_text, const std::string& calibration_text
   py::dict result;
   result["SAHRS"] = collected.sahrs.arrays();
   result["NAV"] = collected.nav.arrays();
+  result["SMDU.CALIBRATION"] = collected.smdu_calibration.arrays();
   result["HEALTH"] = collected.health.arrays();
   return result;
 }
@@ -93,7 +111,7 @@ py::dict run(const std::string& config_text, const std::string& calibration_text
 
 void bind_navigator(py::module_& module) {
   py::register_exception<navigator::ConfigError>(module, "ConfigError", PyExc_ValueError);
-  module.def("run", &run, py::arg("config_text"), py::arg("calibration_text"), py::arg("channels"),
+  module.def("run", &run, py::arg("config_text"), py::arg("calibration"), py::arg("channels"),
              py::arg("names"), py::arg("channel"), py::arg("row"),
              "Run a recording through a fresh Navigator; see lodestar.navigator.run.");
   module.def("parameter_table", &navigator::parameter_table,

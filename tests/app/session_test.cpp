@@ -41,7 +41,7 @@ class SessionTest : public testing::Test {
 
 TEST_F(SessionTest, AnswersEachBodyRateWithAttitudeThenNavigationAndHealthOncePerSecond) {
   const std::vector<std::string> frame = {"SAHRS", "NAV"};
-  const std::vector<std::string> frame_with_health = {"SAHRS", "NAV", "HEALTH"};
+  const std::vector<std::string> frame_with_health = {"SAHRS", "NAV", "SMDU.CALIBRATION", "HEALTH"};
   int frames = 0;
   for (const Sent& message : level_flight(3)) {
     record_.channels.clear();

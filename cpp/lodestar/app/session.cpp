@@ -32,7 +32,10 @@ const navigator::Outputs* Session::step(const samples::BodyRates& rates) {
   if (outputs == nullptr) return nullptr;
   send(bus::kSahrs, outputs->sahrs);
   send(bus::kNav, outputs->nav);
-  if (outputs->health_due) send_health();
+  if (outputs->health_due) {
+    send(bus::kSmduCalibration, outputs->smdu_calibration);
+    send_health();
+  }
   return outputs;
 }
 

@@ -14,6 +14,7 @@
 #include <lodestar/navigation_t.hpp>
 #include <lodestar/radar_altitude_t.hpp>
 #include <lodestar/sar_measurement_t.hpp>
+#include <lodestar/smdu_calibration_t.hpp>
 #include <lodestar/specific_force_t.hpp>
 
 namespace lodestar::bus {
@@ -237,6 +238,15 @@ void encode(const samples::Navigation& s, Message& message) noexcept {
   store(s.reset_delta, m.reset_delta);
   m.mode = static_cast<std::int8_t>(s.mode);
   m.valid = s.valid ? 1 : 0;
+  write(m, message);
+}
+
+void encode(const samples::SmduCalibration& s, Message& message) noexcept {
+  smdu_calibration_t m{};
+  m.time_us = s.time_us;
+  store(s.x, m.x);
+  store(s.sigma, m.sigma);
+  m.state = static_cast<std::int8_t>(s.state);
   write(m, message);
 }
 

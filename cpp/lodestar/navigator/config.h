@@ -11,9 +11,23 @@
 #include "lodestar/fusion/cascade_parameters.h"
 #include "lodestar/math/parameter.h"
 #include "lodestar/math/rotation.h"
+#include "lodestar/sahrs/calibration_record.h"
+#include "lodestar/sahrs/ground_swing.h"
 #include "lodestar/sahrs/parameters.h"
+#include "lodestar/sahrs/smdu_calibration.h"
 
 namespace lodestar::navigator {
+
+/// [airframe]
+struct AirframeParameters {
+  std::string id;
+
+  template <class Self, class Visitor>
+  static void describe(Self& self, Visitor&& visit) {
+    visit(self.id, {"id", sahrs::smdu::kLongestAirframe,
+                    "Name of this very aircraft; a stored calibration belongs to one"});
+  }
+};
 
 /// [earth]
 struct EarthParameters {
@@ -95,10 +109,13 @@ struct TimeoutParameters {
 
 /// Everything a person may set: one member per section of the configuration file.
 struct Config {
+  AirframeParameters airframe;
   EarthParameters earth;
   InitialParameters initial;
   TimeoutParameters timeout;
   sahrs::FieldCalibration smdu_calibration;
+  sahrs::smdu::FilterParameters smdu_calibration_filter;
+  sahrs::smdu::SwingParameters smdu_ground_swing;
   sahrs::Parameters sahrs;
   fusion::CascadeParameters cascade;
   std::uint32_t hash = 0;  // CRC-32 of the text it was read from; 0 for the built-in defaults
@@ -106,10 +123,13 @@ struct Config {
   /// Calls `section(name, parameters)` for each section, in the order of the docs.
   template <class Self, class Section>
   static void describe(Self& self, Section&& section) {
+    section("airframe", self.airframe);
     section("earth", self.earth);
     section("initial", self.initial);
     section("timeout", self.timeout);
     section("smdu_calibration", self.smdu_calibration);
+    section("smdu_calibration_filter", self.smdu_calibration_filter);
+    section("smdu_ground_swing", self.smdu_ground_swing);
     section("sahrs", self.sahrs);
     section("fusion.cascade", self.cascade);
   }
@@ -128,6 +148,10 @@ Config parse_config(std::string_view text, const std::string& source);
 /// Reads the section [smdu_calibration] of `text` over `config` and leaves the rest as it is.
 /// Throws ConfigError as parse_config does, and for any other section.
 void apply_calibration(Config& config, std::string_view text, const std::string& source);
+
+/// Puts a stored calibration in the place of the configuration's, with its sigma and what may have
+/// changed since.
+void apply_calibration(Config& config, const sahrs::smdu::Record& record);
 
 /// The table of all parameters, in Markdown: section, key, default, unit, range, meaning.
 std::string parameter_table();

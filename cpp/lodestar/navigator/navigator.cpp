@@ -12,11 +12,20 @@ using samples::Use;
 namespace {
 
 sahrs::PaperSahrs make_sahrs(const Config& config) {
-  sahrs::PaperSahrs sahrs(config.sahrs, config.smdu_calibration, config.earth.geomagnetic_model,
+  sahrs::Parameters parameters = config.sahrs;
+  const sahrs::FieldCalibration& calibration = config.smdu_calibration;
+  if (calibration.bias_sigma) parameters.field_bias.sigma = *calibration.bias_sigma;
+  if (calibration.matrix_sigma) parameters.field_matrix_sigma = *calibration.matrix_sigma;
+  sahrs::PaperSahrs sahrs(parameters, config.smdu_calibration, config.earth.geomagnetic_model,
                           config.earth.epoch_year);
   const InitialParameters& initial = config.initial;
   sahrs.set_position(initial.lat, initial.lon, initial.h);
   return sahrs;
+}
+
+sahrs::smdu::CalibrationFilter make_calibration(const Config& config) {
+  return sahrs::smdu::CalibrationFilter(config.smdu_calibration_filter,
+                                        config.earth.geomagnetic_model, config.earth.epoch_year);
 }
 
 fusion::Cascade make_cascade(const Config& config) {
@@ -38,6 +47,7 @@ Navigator::Navigator(const Config& config)
     : config_(config),
       sahrs_(make_sahrs(config)),
       cascade_(make_cascade(config)),
+      calibration_(make_calibration(config)),
       body_rates_(config.timeout.body_rates),
       inputs_({Channel::kLoadFactor, config.timeout.load_factor},
               {Channel::kMagneticField, config.timeout.magnetic_field},
@@ -71,7 +81,14 @@ void Navigator::offer(const samples::LoadFactor& s) { hold(std::get<0>(inputs_),
 void Navigator::offer(const samples::MagneticField& s) { hold(std::get<1>(inputs_), s); }
 void Navigator::offer(const samples::AirData& s) { hold(std::get<2>(inputs_), s); }
 void Navigator::offer(const samples::GpsFix& s) { hold(std::get<3>(inputs_), s); }
-void Navigator::offer(const samples::InsSolution& s) { hold(std::get<4>(inputs_), s); }
+
+void Navigator::offer(const samples::InsSolution& s) {
+  auto& input = std::get<4>(inputs_);
+  hold(input, s);
+  if (!s.valid || input.watch.state(clock_.now()) == samples::SensorState::kStuck) {
+    calibration_.fail_ins();
+  }
+}
 
 void Navigator::offer(const samples::SpecificForce& s) {
   accept(specific_force_, Channel::kSpecificForce, s);
@@ -128,6 +145,7 @@ void Navigator::start_over() {
   restarts_ = static_cast<std::int16_t>(outputs_.sahrs.reset_count + 1);
   sahrs_ = make_sahrs(config_);
   cascade_ = make_cascade(config_);
+  calibration_ = make_calibration(config_);
   body_rates_.restart();
   const auto restart = [](auto& input) {
     input.watch.restart();
@@ -200,6 +218,11 @@ void Navigator::apply_front(AnyInput& input) {
   input.pending.pop();
 }
 
+Use Navigator::apply(const samples::MagneticField& sample) {
+  calibration_.update(sample);
+  return sahrs_.update(sample);
+}
+
 Use Navigator::apply(const samples::AirData& sample) {
   cascade_.update(sample);
   return sahrs_.update(sample);
@@ -207,7 +230,10 @@ Use Navigator::apply(const samples::AirData& sample) {
 
 // Never an input of SAHRS: who watches the INS, or learns from it for the next flight, takes it
 // here.
-Use Navigator::apply(const samples::InsSolution&) { return Use::kHeld; }
+Use Navigator::apply(const samples::InsSolution& sample) {
+  calibration_.update(sample);
+  return Use::kHeld;
+}
 
 template <class AnyInput>
 void Navigator::drop_future(AnyInput& input) {
@@ -232,7 +258,16 @@ void Navigator::publish(std::int64_t time_us, bool first) {
   outputs_.sahrs.valid = outputs_.sahrs.valid && bridged;
   outputs_.nav.valid = outputs_.nav.valid && bridged;
   outputs_.health_due = first || time_us >= next_health_us_;
-  if (outputs_.health_due) next_health_us_ = (time_us / kSecond + 1) * kSecond;
+  if (!outputs_.health_due) return;
+  next_health_us_ = (time_us / kSecond + 1) * kSecond;
+  outputs_.smdu_calibration = calibration_.status(time_us);
+}
+
+CalibrationResult Navigator::calibration_result() const {
+  return {calibration_.verdict(),
+          calibration_.checks(),
+          {config_.airframe.id, calibration_.time_us(), config_.earth.epoch_year,
+           sahrs::smdu::Source::kFlight, calibration_.calibration()}};
 }
 
 samples::Health Navigator::health() const {
