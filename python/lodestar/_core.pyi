@@ -105,7 +105,7 @@ def store_calibration(
     """
 
 def load_calibration(path: str, airframe: str) -> dict[str, Any] | None:
-    """A stored calibration: x, P, airframe, time_us, epoch_year, source, note; None if there is none.
+    """A stored calibration: x, P, airframe, time_us, epoch_year, source, note. None: not there yet.
 
     StorageError if it, and the one before, are refused.
     """

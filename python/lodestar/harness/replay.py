@@ -30,7 +30,9 @@ def replay(flight: Path, *, config: Path | None = None, calibration: Path | None
     """Run an LCM log or npz file through lodestar-fc; outputs that it holds already are replaced.
 
     ``calibration`` is used and stays as it is: what a flight is answered with must not depend on
-    how often it was replayed. Raises InputError for a file that is missing, foreign or damaged and for a bad configuration,
+    how often it was replayed.
+
+    Raises InputError for a file that is missing, foreign or damaged and for a bad configuration,
     and FlightComputerError if the flight computer ends badly.
     """
     recording = recordings.load(flight, strict=False)
