@@ -35,7 +35,7 @@ class CalibrationSimulator {
                        const FilterParameters& errors)
       : flight_(flight), errors_(errors), random_(seed) {
     earth::GeomagneticModel model(earth::GeomagneticKind::kIgrf14);
-    b_N_ = model.field_N(kLat, kLon, kHeight, kYear);
+    b_N_ = model.field_N(kLat, kLon, kHeight, kYear) + normal3(errors.field_model_sigma);
     for (int i = 0; i < kCalibrationStates; ++i) {
       truth_.x(i) = normal(i < kBias.size ? flight.bias_sigma : flight.matrix_sigma);
     }

@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "lodestar/filter/joseph.h"
-#include "lodestar/sahrs/ins_history.h"
 
 namespace lodestar::sahrs::smdu {
 namespace {
@@ -29,8 +28,7 @@ GroundSwing::GroundSwing(const SwingParameters& parameters, const FilterParamete
   set(kCommonScale, parameters.scale_sigma);
   set(kSlowError, errors.drift_sigma);
   set(kElements, parameters.element_sigma);
-  set(kInsError, errors.ins_tilt_sigma);
-  P_(kAll - 1, kAll - 1) = square(errors.ins_heading_sigma);
+  P_.diagonal().segment<kReference.size>(kReference.offset) = reference_variance(errors);
 }
 
 void GroundSwing::add(std::int64_t time_us, const Eigen::Matrix3d& C_NB,
@@ -61,8 +59,7 @@ void GroundSwing::add(std::int64_t time_us, const Eigen::Matrix3d& C_NB,
   for (int i = 0; i < 3; ++i) {
     H.row(i).segment<3>(kElements.offset + 3 * i) = predicted_raw.transpose();
   }
-  H.middleCols<kInsError.size>(kInsError.offset) =
-      math::skew(b_B) * rotation_from_euler_errors(C_NB);
+  H.middleCols<kReference.size>(kReference.offset) = reference_jacobian(C_NB, b_B);
 
   const Eigen::Matrix3d R = square(noise_) * Eigen::Matrix3d::Identity();
   const filter::JosephUpdate<kAll, 3> update(P_, H, R);

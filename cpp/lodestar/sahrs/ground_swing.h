@@ -7,6 +7,7 @@
 
 #include "lodestar/filter/gate.h"
 #include "lodestar/math/gauss_markov.h"
+#include "lodestar/sahrs/reference_error.h"
 #include "lodestar/sahrs/smdu_calibration.h"
 
 namespace lodestar::sahrs::smdu {
@@ -64,11 +65,11 @@ inline const char* name(SwingVerdict verdict) {
 /// headings, which tells four numbers, the bias and one scale common to the axes (SAHRS paper §5).
 ///
 /// Recursive least squares of these four and of the detector's slow error. The elements of D beyond
-/// the common scale (9) and the attitude's error (3) are considered: their share in the sigma, and
-/// its correlation with the bias, is right, their estimate stays zero.
+/// the common scale (9) and the errors of the reference (6) are considered: their share in the
+/// sigma, and its correlation with the bias, is right, their estimate stays zero.
 class GroundSwing {
  public:
-  /// Errors of detector and INS are those of `errors`.
+  /// Errors of detector and reference are those of `errors`.
   GroundSwing(const SwingParameters& parameters, const FilterParameters& errors);
 
   /// One raw field `b_raw` (nT) at the attitude C_NB in the field `b_N` (nT), in order of time.
@@ -87,10 +88,10 @@ class GroundSwing {
   static constexpr math::Block kCommonScale = math::after(kSwingBias, 1);
   static constexpr math::Block kSlowError = math::after(kCommonScale, 3);
   static constexpr math::Block kElements = math::after(kSlowError, 9);  // of D, row by row
-  static constexpr math::Block kInsError = math::after(kElements, 3);
+  static constexpr math::Block kReference = math::after(kElements, kReferenceErrors);
   static constexpr int kEstimated = math::end(kSlowError);
-  static constexpr int kAll = math::end(kInsError);
-  static_assert(kAll == 19);
+  static constexpr int kAll = math::end(kReference);
+  static_assert(kAll == 22);
   static constexpr int kSectors = 12;
 
   SwingParameters parameters_;

@@ -67,17 +67,4 @@ class InsHistory {
   std::size_t count_ = 0;
 };
 
-/// d phi / d (roll, pitch, heading): the small rotation in B that goes with small errors of the
-/// Euler angles.
-inline Eigen::Matrix3d rotation_from_euler_errors(const Eigen::Matrix3d& C_NB) {
-  const Eigen::Vector3d down_B = C_NB.row(2).transpose();
-  const double cos_pitch = std::hypot(down_B.y(), down_B.z());
-  Eigen::Matrix3d E;
-  E.col(0) = Eigen::Vector3d::UnitX();
-  E.col(1) = Eigen::Vector3d::UnitY();  // straight up or down, where roll means nothing
-  if (cos_pitch > 1e-9) E.col(1) = Eigen::Vector3d(0.0, down_B.z(), -down_B.y()) / cos_pitch;
-  E.col(2) = down_B;
-  return E;
-}
-
 }  // namespace lodestar::sahrs::smdu

@@ -98,6 +98,7 @@ struct FilterParameters {
   double drift_tau = 60.0;                   // s
   double ins_tilt_sigma = 0.05 * kDegree;    // rad
   double ins_heading_sigma = 0.1 * kDegree;  // rad
+  double field_model_sigma = 30.0;           // nT
   double false_rejection = 1e-4;             // -
 
   // What makes a good flight.
@@ -138,6 +139,8 @@ struct FilterParameters {
                                 "Roll and pitch error of the INS, which lasts, 1 sigma", kDegree});
     visit(self.ins_heading_sigma, {"ins_heading_sigma_deg", "deg", 0.0, 20.0,
                                    "Heading error of the INS, which lasts, 1 sigma", kDegree});
+    visit(self.field_model_sigma, {"field_model_sigma_nT", "nT", 0.0, 1e4,
+                                   "Error of the field model, which lasts, 1 sigma per axis"});
     visit(self.false_rejection,
           {"false_rejection", "-", 1e-12, 0.1, "Probability that the gate rejects a good sample"});
   }

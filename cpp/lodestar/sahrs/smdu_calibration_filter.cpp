@@ -34,10 +34,7 @@ CalibrationFilter::CalibrationFilter(const FilterParameters& parameters,
       gate_(parameters.false_rejection) {
   P_.diagonal().segment<kStates.size>(kStates.offset) = prior_sigma(parameters).cwiseAbs2();
   P_.diagonal().segment<kSlowError.size>(kSlowError.offset).setConstant(square(drift_.sigma));
-  P_.diagonal().segment<kInsError.size>(kInsError.offset) =
-      Eigen::Vector3d(parameters.ins_tilt_sigma, parameters.ins_tilt_sigma,
-                      parameters.ins_heading_sigma)
-          .cwiseAbs2();
+  P_.diagonal().segment<kReference.size>(kReference.offset) = reference_variance(parameters);
 }
 
 void CalibrationFilter::fail_ins() { ins_failed_ = ins_failed_ || running_; }
@@ -67,9 +64,8 @@ void CalibrationFilter::update(const samples::MagneticField& sample) {
   }
 }
 
-// With b_cal(x) = b_B + slow error + white noise for the true x and b_B, and an INS that has turned
-// b_B by phi = E (euler errors), to first order
-//     b_B(INS) + slow error - b_cal(x)  =  J dx - d slow error + [b_B x] E (euler errors) - noise.
+// With b_cal(x) = true field + slow error + white noise for the true x, to first order
+//     b_B + slow error - b_cal(x) = J dx - d slow error + reference_jacobian d reference - noise.
 // J stands on the raw field that model and estimate predict, never on the measured one, whose noise
 // would be in both and would pull D towards zero.
 void CalibrationFilter::correct(const samples::MagneticField& sample, const Eigen::Matrix3d& C_NB) {
@@ -86,8 +82,7 @@ void CalibrationFilter::correct(const samples::MagneticField& sample, const Eige
   Eigen::Matrix<double, 3, kAll> H;
   H.middleCols<kStates.size>(kStates.offset) = jacobian(predicted_raw);
   H.middleCols<kSlowError.size>(kSlowError.offset) = -Eigen::Matrix3d::Identity();
-  H.middleCols<kInsError.size>(kInsError.offset) =
-      math::skew(b_B) * rotation_from_euler_errors(C_NB);
+  H.middleCols<kReference.size>(kReference.offset) = reference_jacobian(C_NB, b_B);
   const Eigen::Matrix3d R = square(parameters_.noise) * Eigen::Matrix3d::Identity();
   const filter::JosephUpdate<kAll, 3> update(P_, H, R);
   const double normalised_square = update.normalised_square(innovation);

@@ -8,6 +8,7 @@
 #include "lodestar/filter/gate.h"
 #include "lodestar/math/gauss_markov.h"
 #include "lodestar/sahrs/ins_history.h"
+#include "lodestar/sahrs/reference_error.h"
 #include "lodestar/sahrs/smdu_calibration.h"
 #include "lodestar/samples/outputs.h"
 #include "lodestar/samples/samples.h"
@@ -19,9 +20,9 @@ namespace lodestar::sahrs::smdu {
 ///
 /// With b_B = C_NB' b_N of the INS and the field model, the innovation is b_B - b_cal(x), in B,
 /// where the detector's errors are at home. To tell the truth about its sigma the filter carries
-/// six more states: the detector's slow error (3, nT), which a sample by itself cannot tell from x,
-/// is estimated; the error of the INS's roll, pitch and heading (3), which lasts for the flight and
-/// of which a good part can never be told from x, is considered (see filter::JosephUpdate).
+/// nine more states: the detector's slow error (3, nT), which a sample by itself cannot tell from
+/// x, is estimated; the lasting errors of INS and field model (6) are considered
+/// (reference_error.h).
 ///
 /// Samples have passed the checks of samples/validity.h, each kind in order of time. After
 /// construction nothing allocates or throws.
@@ -46,11 +47,11 @@ class CalibrationFilter {
 
  private:
   static constexpr math::Block kStates{0, kCalibrationStates};
-  static constexpr math::Block kSlowError = math::after(kStates, 3);    // nT, in B
-  static constexpr math::Block kInsError = math::after(kSlowError, 3);  // rad: roll, pitch, heading
+  static constexpr math::Block kSlowError = math::after(kStates, 3);  // nT, in B
+  static constexpr math::Block kReference = math::after(kSlowError, kReferenceErrors);
   static constexpr int kEstimated = math::end(kSlowError);
-  static constexpr int kAll = math::end(kInsError);
-  static_assert(kAll == 18);
+  static constexpr int kAll = math::end(kReference);
+  static_assert(kAll == 21);
   using Covariance = Eigen::Matrix<double, kAll, kAll>;
 
   void correct(const samples::MagneticField& sample, const Eigen::Matrix3d& C_NB);
