@@ -2,15 +2,21 @@
 // Time of one frame, over the frames of a recorded flight: LODESTAR_BENCH_LOG names the LCM log.
 #include <benchmark/benchmark.h>
 
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <memory>
+#include <optional>
+#include <variant>
 #include <vector>
 
 #include "lodestar/bus/channels.h"
 #include "lodestar/bus/codec.h"
 #include "lodestar/bus/log_reader.h"
+#include "lodestar/earth/geomagnetic_model.h"
+#include "lodestar/fusion/cascade.h"
 #include "lodestar/navigator/navigator.h"
+#include "lodestar/sahrs/paper_sahrs.h"
 
 namespace {
 
@@ -42,31 +48,115 @@ const Flight& flight() {
   return loaded;
 }
 
-/// Feeds one decoded message to whatever takes samples.
-template <class Estimator>
-void feed(Estimator& estimator, const bus::Decoded& message) {
-  std::visit([&estimator](const auto& sample) { estimator.take(sample); }, message);
-}
-
 struct WholeNavigator {
   navigator::Navigator navigator{navigator::Config{}};
+
   void take(samples::Reason) {}
   void take(const samples::BodyRates& s) { benchmark::DoNotOptimize(navigator.step(s)); }
   template <class Sample>
   void take(const Sample& s) {
     navigator.offer(s);
   }
+  void fly(std::size_t frame) {
+    for (const bus::Decoded& message : flight().frames[frame]) {
+      std::visit([this](const auto& sample) { take(sample); }, message);
+    }
+  }
+};
+
+/// What has come with one EFCS.RATES, small and in one piece, so that the time of an estimator is
+/// not that of fetching messages.
+struct SensorFrame {
+  samples::BodyRates rates;
+  std::optional<samples::LoadFactor> load;
+  std::optional<samples::MagneticField> field;
+  std::optional<samples::AirData> air;
+  std::optional<samples::GpsFix> fix;
+
+  void take(const samples::BodyRates& s) { rates = s; }
+  void take(const samples::LoadFactor& s) { load = s; }
+  void take(const samples::MagneticField& s) { field = s; }
+  void take(const samples::AirData& s) { air = s; }
+  void take(const samples::GpsFix& s) { fix = s; }
+  template <class Other>
+  void take(const Other&) {}
+};
+
+const std::vector<SensorFrame>& sensor_frames() {
+  static const std::vector<SensorFrame> made = [] {
+    std::vector<SensorFrame> frames(flight().frames.size());
+    for (std::size_t i = 0; i < frames.size(); ++i) {
+      for (const bus::Decoded& message : flight().frames[i]) {
+        std::visit([&frame = frames[i]](const auto& sample) { frame.take(sample); }, message);
+      }
+    }
+    return frames;
+  }();
+  return made;
+}
+
+/// SAHRS of either form alone: predict, and what has come with the frame.
+template <class Sahrs>
+struct SahrsAlone {
+  const std::vector<SensorFrame>& frames = sensor_frames();
+  Sahrs sahrs = made();
+
+  static Sahrs made() {
+    const navigator::Config config;
+    Sahrs sahrs(config.sahrs, config.smdu_calibration, config.earth.geomagnetic_model,
+                config.earth.epoch_year);
+    sahrs.set_position(config.initial.lat, config.initial.lon, config.initial.h);
+    return sahrs;
+  }
+  void fly(std::size_t i) {
+    const SensorFrame& frame = frames[i];
+    sahrs.propagate(frame.rates);
+    if (frame.load) sahrs.update(*frame.load);
+    if (frame.field) sahrs.update(*frame.field);
+    if (frame.air) sahrs.update(*frame.air);
+    sahrs.finish_frame();
+    benchmark::DoNotOptimize(sahrs.attitude());
+  }
+};
+
+/// The answers of SAHRS over the flight, made once.
+const std::vector<samples::Attitude>& attitudes() {
+  static const std::vector<samples::Attitude> made = [] {
+    std::vector<samples::Attitude> answers;
+    const auto sahrs = std::make_unique<SahrsAlone<sahrs::PaperSahrs>>();
+    for (std::size_t i = 0; i < sensor_frames().size(); ++i) {
+      sahrs->fly(i);
+      answers.push_back(sahrs->sahrs.attitude());
+    }
+    return answers;
+  }();
+  return made;
+}
+
+/// The cascade alone, behind a SAHRS that costs nothing.
+struct CascadeAlone {
+  const std::vector<SensorFrame>& frames = sensor_frames();
+  const std::vector<samples::Attitude>& sahrs = attitudes();
+  fusion::Cascade cascade{fusion::CascadeParameters{}};
+
+  void fly(std::size_t i) {
+    const SensorFrame& frame = frames[i];
+    if (frame.air) cascade.update(*frame.air);
+    cascade.propagate(sahrs[i]);
+    if (frame.fix) cascade.update(*frame.fix);
+    benchmark::DoNotOptimize(cascade.navigation());
+  }
 };
 
 /// Runs `Estimator` over the flight, again and again from the start; one iteration is one frame.
 template <class Estimator>
 void one_frame(benchmark::State& state) {
-  const auto& frames = flight().frames;
+  const std::size_t frames = flight().frames.size();
   auto estimator = std::make_unique<Estimator>();
   std::size_t i = 0;
   for (auto _ : state) {
-    for (const bus::Decoded& message : frames[i]) feed(*estimator, message);
-    if (++i < frames.size()) continue;
+    estimator->fly(i);
+    if (++i < frames) continue;
     state.PauseTiming();
     estimator = std::make_unique<Estimator>();
     i = 0;
@@ -74,7 +164,23 @@ void one_frame(benchmark::State& state) {
   }
 }
 
+/// A whole evaluation: every place is another one.
+void geomagnetic_evaluation(benchmark::State& state) {
+  earth::GeomagneticModel model(earth::GeomagneticKind::kIgrf14);
+  double place = 0.0;
+  for (auto _ : state) {
+    place += 0.001;
+    const double lat = 1.5 * std::sin(place);
+    benchmark::DoNotOptimize(model.field_N(lat, place, 5000.0, 2026.5));
+  }
+}
+
 BENCHMARK(one_frame<WholeNavigator>)->Name("navigator_frame")->Unit(benchmark::kMicrosecond);
+BENCHMARK(one_frame<SahrsAlone<sahrs::PaperSahrs>>)
+    ->Name("sahrs_paper_step")
+    ->Unit(benchmark::kMicrosecond);
+BENCHMARK(one_frame<CascadeAlone>)->Name("cascade_step")->Unit(benchmark::kMicrosecond);
+BENCHMARK(geomagnetic_evaluation)->Name("geomagnetic_evaluation")->Unit(benchmark::kMicrosecond);
 
 }  // namespace
 

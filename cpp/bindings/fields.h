@@ -118,6 +118,15 @@ void fields(const samples::Navigation& s, Visit&& visit) {
 }
 
 template <class Visit>
+void fields(const samples::InsMonitor& s, Visit&& visit) {
+  visit("time_us", s.time_us);
+  visit("difference", s.difference);
+  visit("threshold", s.threshold);
+  visit("time_over", s.time_over);
+  visit("state", static_cast<std::int8_t>(s.state));
+}
+
+template <class Visit>
 void fields(const samples::SmduCalibration& s, Visit&& visit) {
   visit("time_us", s.time_us);
   visit("x", s.x);
@@ -149,6 +158,7 @@ void fields(const samples::Health& s, Visit&& visit) {
   visit("cycle_p99", s.cycle.p99);
   visit("cycle_max", s.cycle.max);
   visit("cycle_histogram", s.cycle.histogram);
+  visit("sahrs_form", static_cast<std::int8_t>(s.sahrs_form));
   visit("sahrs_mode", static_cast<std::int8_t>(s.sahrs_mode));
   visit("fusion_mode", static_cast<std::int8_t>(s.fusion_mode));
   visit("ahrs_mode", static_cast<std::int8_t>(s.ahrs_mode));

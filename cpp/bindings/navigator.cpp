@@ -24,6 +24,7 @@ using Feed = std::function<void(std::size_t)>;
 struct Collected {
   SampleCollector<samples::Attitude> sahrs;
   SampleCollector<samples::Navigation> nav;
+  SampleCollector<samples::InsMonitor> ins_monitor;
   SampleCollector<samples::SmduCalibration> smdu_calibration;
   SampleCollector<samples::Health> health;
 };
@@ -42,6 +43,7 @@ Feed step_feed(Navigator& navigator, Collected& collected, const std::string& ch
     if (outputs == nullptr) return;
     collected.sahrs.add(outputs->sahrs);
     collected.nav.add(outputs->nav);
+    if (outputs->ins_monitor_due) collected.ins_monitor.add(outputs->ins_monitor);
     if (!outputs->health_due) return;
     collected.smdu_calibration.add(outputs->smdu_calibration);
     collected.health.add(navigator.health());
@@ -102,6 +104,7 @@ py::dict run(const std::string& config_text, const std::string& calibration,
   py::dict result;
   result["SAHRS"] = collected.sahrs.arrays();
   result["NAV"] = collected.nav.arrays();
+  result["INS.MONITOR"] = collected.ins_monitor.arrays();
   result["SMDU.CALIBRATION"] = collected.smdu_calibration.arrays();
   result["HEALTH"] = collected.health.arrays();
   return result;

@@ -67,7 +67,7 @@ def run(
     channel: NDArray[np.int64],
     row: NDArray[np.int64],
 ) -> dict[str, dict[str, NDArray[Any]]]:
-    """Run messages through a fresh Navigator and return what it publishes, by field.
+    """Run messages through a fresh Navigator and return the answers: channel, field, array.
 
     Message i is row `row[i]` of `channels[names[channel[i]]]`. ConfigError for a bad configuration,
     ValueError for arrays that are not those of the channel. See lodestar.navigator.run.

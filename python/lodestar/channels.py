@@ -50,6 +50,15 @@ INPUTS: tuple[str, ...] = tuple(MESSAGE_OF_INPUT)
 OUTPUTS: tuple[str, ...] = tuple(MESSAGE_OF_OUTPUT)
 """What the flight computer publishes."""
 
+WARNINGS: dict[int, str] = {
+    1: "outside the geomagnetic model's validity",
+    2: "realtime scheduling refused",
+}
+"""Bit of HEALTH's ``warning`` to what it says."""
+
+INS_STATES: tuple[str, ...] = ("none", "agrees", "suspect", "miscompare")
+"""INS.MONITOR's ``state`` in words."""
+
 MASTER = "EFCS.RATES"
 """The channel that triggers a frame."""
 

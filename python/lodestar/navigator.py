@@ -16,7 +16,7 @@ _ESTIMATED = ("EFCS.RATES", "EFCS.LOAD_FACTOR", "SMDU", "ADC", "GPS", "INS")
 
 
 def run(recording: Recording, config: str = "", calibration: str | bytes = "") -> Recording:
-    """Run ``recording`` through a fresh navigator; return its inputs with its answers.
+    """Run ``recording`` through a fresh navigator; return its inputs and the answers.
 
     ``config`` and ``calibration`` are what ``lodestar-fc`` reads from files: TOML texts, and for
     the calibration also the bytes of a stored one.

@@ -120,7 +120,8 @@ TEST_F(Allocation, DoesNotHappenInTheFramePath) {
   EXPECT_EQ(allocations, before);
   EXPECT_EQ(path.frames, 600);
   EXPECT_EQ(path.healths, 10);
-  EXPECT_EQ(path.sent, 2 * path.frames + 2 * path.healths);  // one SMDU.CALIBRATION per HEALTH
+  const int monitors = 10 * 10 + 1;  // one more when there is an attitude to compare with
+  EXPECT_EQ(path.sent, 2 * path.frames + monitors + 2 * path.healths);
 }
 
 TEST_F(Allocation, DoesNotHappenWhileTheInsCalibratesTheDetector) {

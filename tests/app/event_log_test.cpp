@@ -80,6 +80,39 @@ TEST(Reporter, NotesAChangeOfModeOnce) {
   EXPECT_EQ(captured.text(), "t=0.000 s SAHRS: running\nt=0.000 s NAV: aiding\n");
 }
 
+TEST(Reporter, NotesTheVerdictOnTheInsAndNotEveryDoubt) {
+  const CapturedLog captured;
+  {
+    EventLog log;
+    Reporter reporter(log);
+    navigator::Outputs outputs;
+    using samples::InsState;
+    for (const InsState state : {InsState::kAgree, InsState::kSuspect, InsState::kAgree,
+                                 InsState::kSuspect, InsState::kMiscompare, InsState::kNone}) {
+      outputs.ins_monitor.state = state;
+      reporter.watch(outputs);
+    }
+  }
+  EXPECT_EQ(captured.text(),
+            "t=0.000 s INS: agrees with SAHRS\n"
+            "t=0.000 s INS: miscompare with SAHRS\n"
+            "t=0.000 s INS: none to watch\n");
+}
+
+TEST(Reporter, SaysOnceThatTheGeomagneticModelIsLeft) {
+  const CapturedLog captured;
+  {
+    EventLog log;
+    Reporter reporter(log);
+    samples::Health health;
+    reporter.watch(health, 0);
+    health.warning = samples::kWarningFieldModel | samples::kWarningRealtime;
+    reporter.watch(health, 0);
+    reporter.watch(health, 0);
+  }
+  EXPECT_EQ(captured.text(), "t=0.000 s outside the geomagnetic model's validity\n");
+}
+
 TEST(Reporter, NotesOnlyTheRejectionsThatAreNew) {
   const CapturedLog captured;
   {

@@ -6,6 +6,7 @@
 #include <lodestar/air_data_t.hpp>
 #include <lodestar/body_rates_t.hpp>
 #include <lodestar/gps_fix_t.hpp>
+#include <lodestar/ins_solution_t.hpp>
 #include <lodestar/load_factor_t.hpp>
 #include <lodestar/magnetic_field_t.hpp>
 #include <vector>
@@ -53,6 +54,15 @@ inline std::vector<Sent> level_flight(int seconds, int start = 1) {
                magnetic_field_t{time_us, {kField[0] + ripple, kField[1] + ripple, kField[2]}, 1}));
       messages.push_back(sent(Channel::kAirData, air_data_t{time_us, kSpeed + 0.01 * ripple, 0.0,
                                                             0.0, 5000.0, 255.0, 1}));
+      messages.push_back(sent(Channel::kIns, ins_solution_t{time_us,
+                                                            1e-5 * ripple,
+                                                            1e-5 * ripple,
+                                                            0.001 + 1e-5 * ripple,
+                                                            lat,
+                                                            0.28,
+                                                            5000.0,
+                                                            {kSpeed, 0.0, 0.0},
+                                                            1}));
     }
     if (frame % 60 == 0) {
       messages.push_back(sent(

@@ -63,7 +63,7 @@ class Replay : public testing::Test {
 TEST_F(Replay, AnswersEveryFrameWithTheTimeStampOfItsTrigger) {
   const Replayed count = run(output_);
   EXPECT_EQ(count.frames, 300);
-  EXPECT_EQ(count.messages, 300 + 300 + 150 + 150 + 5);
+  EXPECT_EQ(count.messages, 300 + 300 + 3 * 150 + 5);
   bus::LogReader reader(output_);
   int attitudes = 0;
   int solutions = 0;

@@ -39,9 +39,7 @@ class SessionTest : public testing::Test {
   Session session_{navigator::Config{}, record_};
 };
 
-TEST_F(SessionTest, AnswersEachBodyRateWithAttitudeThenNavigationAndHealthOncePerSecond) {
-  const std::vector<std::string> frame = {"SAHRS", "NAV"};
-  const std::vector<std::string> frame_with_health = {"SAHRS", "NAV", "SMDU.CALIBRATION", "HEALTH"};
+TEST_F(SessionTest, AnswersEachBodyRateWithAttitudeThenNavigationAndNowAndThenMonitorAndHealth) {
   int frames = 0;
   for (const Sent& message : level_flight(3)) {
     record_.channels.clear();
@@ -54,7 +52,10 @@ TEST_F(SessionTest, AnswersEachBodyRateWithAttitudeThenNavigationAndHealthOncePe
     ASSERT_NE(outputs, nullptr);
     EXPECT_EQ(outputs->sahrs.time_us, message.time_us);
     EXPECT_EQ(outputs->nav.time_us, message.time_us);
-    EXPECT_EQ(record_.channels, frames % 60 == 0 ? frame_with_health : frame) << frames;
+    std::vector<std::string> expected = {"SAHRS", "NAV"};
+    if (frames % 6 == 0) expected.push_back("INS.MONITOR");
+    if (frames % 60 == 0) expected.insert(expected.end(), {"SMDU.CALIBRATION", "HEALTH"});
+    EXPECT_EQ(record_.channels, expected) << frames;
     ++frames;
   }
   EXPECT_EQ(frames, 180);

@@ -7,6 +7,7 @@
 #include <limits>
 #include <lodestar/attitude_t.hpp>
 #include <lodestar/health_t.hpp>
+#include <lodestar/ins_monitor_t.hpp>
 #include <lodestar/navigation_t.hpp>
 #include <lodestar/smdu_calibration_t.hpp>
 #include <optional>
@@ -324,6 +325,25 @@ TEST(Codec, PublishesEveryFieldOfANavigationSolution) {
   EXPECT_EQ(m.valid, 1);
 }
 
+TEST(Codec, PublishesEveryFieldOfTheInsMonitor) {
+  samples::InsMonitor s;
+  s.time_us = 80;
+  s.difference = Eigen::Vector3d(1.0, 2.0, 3.0);
+  s.threshold = Eigen::Vector3d(4.0, 5.0, 6.0);
+  s.time_over = Eigen::Vector3d(7.0, 8.0, 9.0);
+  s.state = samples::InsState::kMiscompare;
+  Message message;
+  encode(s, message);
+  const auto m = read_back<ins_monitor_t>(message);
+  EXPECT_EQ(m.time_us, 80);
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_EQ(m.difference[i], 1.0 + i);
+    EXPECT_EQ(m.threshold[i], 4.0 + i);
+    EXPECT_EQ(m.time_over[i], 7.0 + i);
+  }
+  EXPECT_EQ(m.state, 3);
+}
+
 TEST(Codec, PublishesEveryFieldOfHealth) {
   samples::Health s;
   s.time_us = 79;
@@ -340,11 +360,12 @@ TEST(Codec, PublishesEveryFieldOfHealth) {
   s.cycle.p99 = 2e-6;
   s.cycle.max = 3e-6;
   for (std::size_t i = 0; i < 16; ++i) s.cycle.histogram[i] = static_cast<int>(i) + 50;
+  s.sahrs_form = samples::SahrsForm::kPaper;
   s.sahrs_mode = samples::AttitudeMode::kRunning;
   s.fusion_mode = samples::FusionMode::kAiding;
   s.ahrs_mode = samples::AttitudeMode::kAligning;
-  for (std::size_t i = 0; i < 8; ++i) {
-    s.assumption_rejects[i] = static_cast<int>(i) + 1;
+  for (std::size_t i = 0; i < 8; ++i) s.assumption_rejects[i] = static_cast<int>(i) + 1;
+  for (std::size_t i = 0; i < 10; ++i) {
     s.innovation[i] = 0.5 + static_cast<double>(i);
     s.innovation_sigma[i] = 1.5 + static_cast<double>(i);
   }
@@ -367,11 +388,12 @@ TEST(Codec, PublishesEveryFieldOfHealth) {
   EXPECT_EQ(m.cycle_p99, 2e-6);
   EXPECT_EQ(m.cycle_max, 3e-6);
   for (int i = 0; i < 16; ++i) EXPECT_EQ(m.cycle_histogram[i], 50 + i);
+  EXPECT_EQ(m.sahrs_form, 1);
   EXPECT_EQ(m.sahrs_mode, 2);
   EXPECT_EQ(m.fusion_mode, 1);
   EXPECT_EQ(m.ahrs_mode, 1);
-  for (int i = 0; i < 8; ++i) {
-    EXPECT_EQ(m.assumption_rejects[i], i + 1);
+  for (int i = 0; i < 8; ++i) EXPECT_EQ(m.assumption_rejects[i], i + 1);
+  for (int i = 0; i < 10; ++i) {
     EXPECT_EQ(m.innovation[i], 0.5 + i);
     EXPECT_EQ(m.innovation_sigma[i], 1.5 + i);
   }

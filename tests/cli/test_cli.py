@@ -136,6 +136,24 @@ def test_fly_with_a_configuration_that_spoils_the_flight_ends_with_1(lodestar, t
     assert "roll_deg = 60" in (tmp_path / "out/short/config.toml").read_text()
 
 
+def test_fly_with_jsbsim_flies_the_f16(lodestar, tmp_path):
+    pytest.importorskip("jsbsim", reason="the extra lodestar[jsbsim] is not installed")
+    (tmp_path / "short.toml").write_text(SHORT.replace("90", "65"))
+    status, out, _ = lodestar("fly", "short.toml", "--engine", "jsbsim", "--json")
+    assert status == 0
+    assert rows_of(json.loads(out))["sahrs", "roll_rmse_deg"] < 2.0
+    # An aircraft that settles rolls a little even on a straight leg; the route itself does not.
+    roll = np.degrees(recordings.load(tmp_path / "out/short/flight.lcm")["TRUTH"]["roll"])
+    assert 0 < np.abs(roll[:60]).max() < 1
+
+
+def test_fly_without_the_package_of_jsbsim_says_what_to_install(lodestar, monkeypatch):
+    monkeypatch.setitem(sys.modules, "jsbsim", None)
+    status, _, err = lodestar("fly", "ordinary", "--engine", "jsbsim")
+    assert status == 2
+    assert "pip install 'lodestar[jsbsim]'" in one_line_error(err)
+
+
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [
@@ -144,6 +162,7 @@ def test_fly_with_a_configuration_that_spoils_the_flight_ends_with_1(lodestar, t
         (["fly", "bad.toml"], r"bad.toml:2"),
         (["fly", "short.toml", "--config", "bad.toml"], "bad.toml:1"),
         (["fly", "short.toml", "--config", "nothing.toml"], "nothing.toml"),
+        (["fly", "short.toml", "--engine", "warp"], "engine warp: unknown"),
         (["fly", "short.toml", "--bus", "tcpq://host"], "udpm://GROUP:PORT"),
         (["fly", "short.toml", "--out", "short.toml"], "short.toml"),
         (["replay", "nothing.lcm"], "nothing.lcm"),

@@ -148,8 +148,8 @@ def health_message(truth, every):
         for field in channels.fields("HEALTH")
     }
     columns["time_us"] = time_us
-    columns["innovation_sigma"][:, :7] = 1.0
-    columns["innovation"][:, :7] = np.random.default_rng(3).normal(size=(count, 7))
+    columns["innovation_sigma"][:, :9] = 1.0
+    columns["innovation"][:, :9] = np.random.default_rng(3).normal(size=(count, 9))
     columns["received"] += np.arange(count)[:, None]
     columns["used"] = columns["received"].copy()
     columns["rejected"][count // 2 :, channels.INPUTS.index("GPS"), 11] = 1

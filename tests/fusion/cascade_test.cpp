@@ -115,6 +115,51 @@ TEST(Cascade, AGivenHeadingStartsTheHeadingError) {
   EXPECT_LT(flight.velocity_error().head<2>().norm(), 12.0) << "28 m/s without it";
 }
 
+TEST(Cascade, AHeadingKnownInFlightIsTakenInAtOnce) {
+  for (const auto form : {CovarianceForm::kJoseph, CovarianceForm::kUd}) {
+    FlightOptions options;
+    options.heading_offset = 6.0 * kDegree;
+    options.leg = 1000.0;  // no turn that would tell heading from wind
+    CascadeParameters parameters;
+    parameters.covariance = form;
+    CascadeFlight flight(options, parameters);
+    flight.fly_until(60.0);
+    ASSERT_GT(std::abs(flight.heading_error()), 2.0 * kDegree);
+    const double error = math::wrap_pi(flight.truth().attitude.heading - flight.sahrs().heading);
+    flight.cascade().know_heading_error(error, 0.2 * kDegree, flight.sahrs().time_us);
+    flight.fly_until(60.2);
+    EXPECT_LT(std::abs(flight.heading_error()), 0.3 * kDegree);
+    EXPECT_LT(flight.navigation().sigma_attitude.z(), 0.5 * kDegree);
+    flight.fly_until(65.0);  // late fixes do the steps again, that one too
+    EXPECT_LT(std::abs(flight.heading_error()), 0.6 * kDegree);
+  }
+}
+
+TEST(Cascade, AHeadingKnownBeforeTheFirstFixStartsTheHeadingError) {
+  FlightOptions options;
+  options.heading_offset = 8.0 * kDegree;
+  options.gps_on = [](double t) { return t > 10.0; };
+  CascadeFlight flight(options);
+  flight.fly_until(5.0);
+  const double error = math::wrap_pi(flight.truth().attitude.heading - flight.sahrs().heading);
+  flight.cascade().know_heading_error(error, 0.1 * kDegree, flight.sahrs().time_us);
+  flight.fly_until(13.0);
+  // SAHRS's own error has wandered for 8 s since.
+  EXPECT_LT(std::abs(flight.heading_error()), 1.5 * kDegree);
+}
+
+TEST(Cascade, AnOldHeadingCountsAsFarAsItStillHolds) {
+  FlightOptions options;
+  options.leg = 1000.0;
+  CascadeFlight fresh(options);
+  CascadeFlight stale(options);
+  for (CascadeFlight* flight : {&fresh, &stale}) flight->fly_until(60.0);
+  fresh.cascade().know_heading_error(0.0, 0.1 * kDegree, 60'000'000);
+  stale.cascade().know_heading_error(0.0, 0.1 * kDegree, 30'000'000);
+  for (CascadeFlight* flight : {&fresh, &stale}) flight->fly_until(60.2);
+  EXPECT_GT(stale.navigation().sigma_attitude.z(), 2.0 * fresh.navigation().sigma_attitude.z());
+}
+
 TEST(Cascade, PublishesWhatItEstimates) {
   CascadeFlight flight(FlightOptions{});
   flight.fly_until(300.0);

@@ -92,6 +92,15 @@ def test_spike_hits_one_message_per_interval(flight):
     np.testing.assert_allclose(before["time_us"][spikes] * 1e-6, [10.0, 12.0, 14.0], atol=1e-6)
 
 
+def test_saturation_stops_the_values_at_both_ends(flight):
+    fault = Fault("saturate", "EFCS.RATES", 10.0, 5.0, "omega_B", axis=1, value=0.001)
+    before, after, hit = unchanged_elsewhere(flight, fault, ["omega_B"])
+    clipped = np.clip(before["omega_B"][hit, 1], -0.001, 0.001)
+    assert (np.abs(before["omega_B"][hit, 1]) > 0.001).any()
+    np.testing.assert_array_equal(after["omega_B"][hit, 1], clipped)
+    np.testing.assert_array_equal(after["omega_B"][:, ::2], before["omega_B"][:, ::2])
+
+
 def test_nan_replaces_the_chosen_or_all_values(flight):
     one = faulty(flight, Fault("nan", "SMDU", 10.0, 5.0, "b_B", axis=1))
     hit = window(one, 10.0, 15.0)
@@ -189,6 +198,7 @@ def test_any_fault_leaves_a_recording_in_order_of_arrival(flight, kind, channel,
         (Fault("bias", "ADC", 1.0, field="beta"), r"bias needs a value \(unit of the field\)"),
         (Fault("bias", "ADC", 1.0, field="gamma", value=1.0), "field 'gamma': ADC has true_air"),
         (Fault("ramp", "ADC", 1.0, value=1.0), "ramp needs a field: one of true_airspeed"),
+        (Fault("saturate", "SMDU", 0.0, field="b_B", value=-1.0), "value above 0"),
         (Fault("noise", "ADC", 1.0, value=0.5), "noise needs a value above 1"),
         (Fault("dropout", "ADC", 1.0, field="beta"), "dropout takes no field"),
         (Fault("spoof", "ADC", 1.0, value=1.0), "spoof is for channel GPS only"),

@@ -55,7 +55,8 @@ class LevelFlight {
     s.time_us = time_us;
     s.roll = noise(1e-4);
     s.pitch = noise(1e-4);
-    s.heading = math::wrap_2pi(noise(1e-4));
+    s.heading = math::wrap_2pi(ins_heading + noise(1e-4));
+    s.valid = ins_valid;
     return s;
   }
   samples::GpsFix fix(std::int64_t time_us) {
@@ -74,6 +75,7 @@ class LevelFlight {
       navigator.offer(field(next_us));
       navigator.offer(air(next_us));
       if (with_gps && next_us % 1'000'000 == 0) navigator.offer(fix(next_us));
+      if (with_ins) navigator.offer(ins(next_us));
       outputs.push_back(*navigator.step(rates(next_us)));
     }
   }
@@ -87,6 +89,9 @@ class LevelFlight {
   std::vector<Outputs> outputs;
   std::int64_t next_us = 0;
   bool with_gps = true;
+  bool with_ins = false;
+  bool ins_valid = true;
+  double ins_heading = 0.0;  // rad
 
  private:
   std::mt19937_64 random_{1};
@@ -184,6 +189,61 @@ TEST(Navigator, AnInsSolutionWaitsForItsFrameAndNeverMovesSahrs) {
   flight.navigator.offer(late);
   flight.fly(5'020'000);
   EXPECT_EQ(flight.rejected(Channel::kIns, Reason::kLate), 1);
+}
+
+TEST(Navigator, WatchesTheInsTenTimesASecond) {
+  LevelFlight flight;
+  flight.with_ins = true;
+  flight.fly(30'000'000);
+  int due = 0;
+  for (const Outputs& outputs : flight.outputs) due += outputs.ins_monitor_due;
+  EXPECT_GE(due, 301);
+  EXPECT_LE(due, 301 + 2);  // and when there is something to compare with
+  EXPECT_EQ(flight.outputs.back().ins_monitor.state, samples::InsState::kAgree);
+  EXPECT_EQ(flight.outputs.back().ins_monitor.time_us, 30'000'000);
+}
+
+TEST(Navigator, AnInsThatCallsItselfInvalidHandsItsHeadingToTheFusion) {
+  LevelFlight flight;
+  flight.with_ins = true;
+  flight.ins_heading = 3.0 * math::kDegree;
+  flight.fly(60'000'000);
+  const double before = math::wrap_pi(flight.outputs.back().nav.heading);
+  flight.ins_valid = false;
+  flight.fly(62'000'000);
+  EXPECT_EQ(flight.outputs.back().ins_monitor.state, samples::InsState::kNone);
+  const double after = math::wrap_pi(flight.outputs.back().nav.heading);
+  EXPECT_LT(std::abs(before), 2.0 * math::kDegree);
+  EXPECT_NEAR(after, 3.0 * math::kDegree, 0.5 * math::kDegree);  // SAHRS wanders, GPS says north
+  EXPECT_LT(std::abs(math::wrap_pi(flight.outputs.back().sahrs.heading)), 2.0 * math::kDegree);
+}
+
+TEST(Navigator, OutsideTheGeomagneticModelHealthWarns) {
+  const auto warning = [](double epoch_year, double h) {
+    Config config;
+    config.earth.epoch_year = epoch_year;
+    config.initial.h = h;
+    LevelFlight flight(config);
+    flight.with_gps = false;
+    flight.fly(1'000'000);
+    return flight.navigator.health().warning;
+  };
+  EXPECT_EQ(warning(2026.5, 0.0), 0);
+  EXPECT_EQ(warning(2030.0, -1000.0), 0);
+  EXPECT_EQ(warning(2030.1, 0.0), samples::kWarningFieldModel);
+  EXPECT_EQ(warning(2026.5, -1001.0), samples::kWarningFieldModel);
+}
+
+TEST(Navigator, ADateAfterTheGeomagneticModelIsItsLast) {
+  const auto heading = [](double epoch_year) {
+    Config config;
+    config.earth.epoch_year = epoch_year;
+    LevelFlight flight(config);
+    flight.fly(30'000'000);
+    return flight.outputs.back().sahrs.heading;
+  };
+  EXPECT_EQ(heading(2035.0), heading(2030.0));
+  EXPECT_NE(heading(2030.0), heading(2028.0));
 }
 
 TEST(Navigator, AMeasurementMayBeOneSecondOldAndNoOlder) {

@@ -16,6 +16,8 @@ constexpr const char* kAttitudeModes[] = {"waiting", "aligning", "running", "coa
                                           "re-aligning after a gap"};
 constexpr const char* kFusionModes[] = {"waiting for a position", "aiding", "dead reckoning",
                                         "re-acquiring GPS"};
+constexpr const char* kInsStates[] = {"none to watch", "agrees with SAHRS", "suspect",
+                                      "miscompare with SAHRS"};
 constexpr const char* kReasons[] = {
     "size", "fingerprint", "decode", "not finite",   "out of range", "time backwards",
     "late", "future",      "stuck",  "invalid flag", "queue full",   "innovation gate"};
@@ -30,6 +32,10 @@ std::string describe(const Event& event) {
       return fmt::format("t={:.3f} s SAHRS: {}", seconds, kAttitudeModes[event.subject]);
     case Event::Kind::kFusionMode:
       return fmt::format("t={:.3f} s NAV: {}", seconds, kFusionModes[event.subject]);
+    case Event::Kind::kInsState:
+      return fmt::format("t={:.3f} s INS: {}", seconds, kInsStates[event.subject]);
+    case Event::Kind::kFieldModel:
+      return fmt::format("t={:.3f} s outside the geomagnetic model's validity", seconds);
     case Event::Kind::kRejected:
       return fmt::format("t={:.3f} s {}: {} rejected: {}", seconds,
                          bus::name(static_cast<samples::Channel>(event.subject)), event.count,

@@ -17,10 +17,17 @@ namespace lodestar::app {
 
 /// Something worth a line in the log, in the form the frame path can afford to note.
 struct Event {
-  enum class Kind : std::uint8_t { kSahrsMode, kFusionMode, kRejected, kUnsent };
+  enum class Kind : std::uint8_t {
+    kSahrsMode,
+    kFusionMode,
+    kInsState,
+    kFieldModel,
+    kRejected,
+    kUnsent
+  };
   Kind kind = Kind::kUnsent;
   std::int64_t time_us = 0;  // flight time
-  std::uint8_t subject = 0;  // new mode, or samples::Channel
+  std::uint8_t subject = 0;  // new mode or state, or samples::Channel
   std::uint8_t detail = 0;   // samples::Reason
   std::int64_t count = 0;    // messages
 };

@@ -13,9 +13,18 @@ void Reporter::watch(const navigator::Outputs& outputs) {
     fusion_mode_ = outputs.nav.mode;
     log_.note({Event::Kind::kFusionMode, time_us, static_cast<std::uint8_t>(fusion_mode_), 0, 0});
   }
+  // In doubt it may change with every solution; the log hears the verdict.
+  const samples::InsState ins_state = outputs.ins_monitor.state;
+  if (ins_state != ins_state_ && ins_state != samples::InsState::kSuspect) {
+    ins_state_ = ins_state;
+    log_.note({Event::Kind::kInsState, time_us, static_cast<std::uint8_t>(ins_state), 0, 0});
+  }
 }
 
 void Reporter::watch(const samples::Health& health, std::int64_t unsent) {
+  const bool outside = (health.warning & samples::kWarningFieldModel) != 0;
+  if (outside && !outside_) log_.note({Event::Kind::kFieldModel, health.time_us, 0, 0, 0});
+  outside_ = outside;
   for (std::uint8_t channel = 0; channel < samples::kChannels; ++channel) {
     for (std::uint8_t reason = 0; reason < samples::kReasons; ++reason) {
       const std::int64_t count = health.counters[channel].rejected[reason];

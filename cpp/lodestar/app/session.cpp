@@ -32,6 +32,7 @@ const navigator::Outputs* Session::step(const samples::BodyRates& rates) {
   if (outputs == nullptr) return nullptr;
   send(bus::kSahrs, outputs->sahrs);
   send(bus::kNav, outputs->nav);
+  if (outputs->ins_monitor_due) send(bus::kInsMonitor, outputs->ins_monitor);
   if (outputs->health_due) {
     send(bus::kSmduCalibration, outputs->smdu_calibration);
     send_health();

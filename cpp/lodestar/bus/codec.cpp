@@ -8,6 +8,7 @@
 #include <lodestar/gps_fix_t.hpp>
 #include <lodestar/gps_observables_t.hpp>
 #include <lodestar/health_t.hpp>
+#include <lodestar/ins_monitor_t.hpp>
 #include <lodestar/ins_solution_t.hpp>
 #include <lodestar/load_factor_t.hpp>
 #include <lodestar/magnetic_field_t.hpp>
@@ -241,6 +242,16 @@ void encode(const samples::Navigation& s, Message& message) noexcept {
   write(m, message);
 }
 
+void encode(const samples::InsMonitor& s, Message& message) noexcept {
+  ins_monitor_t m{};
+  m.time_us = s.time_us;
+  store(s.difference, m.difference);
+  store(s.threshold, m.threshold);
+  store(s.time_over, m.time_over);
+  m.state = static_cast<std::int8_t>(s.state);
+  write(m, message);
+}
+
 void encode(const samples::SmduCalibration& s, Message& message) noexcept {
   smdu_calibration_t m{};
   m.time_us = s.time_us;
@@ -263,6 +274,7 @@ void encode(const samples::Health& s, Message& message) noexcept {
   m.cycle_p99 = s.cycle.p99;
   m.cycle_max = s.cycle.max;
   store(s.cycle.histogram, m.cycle_histogram);
+  m.sahrs_form = static_cast<std::int8_t>(s.sahrs_form);
   m.sahrs_mode = static_cast<std::int8_t>(s.sahrs_mode);
   m.fusion_mode = static_cast<std::int8_t>(s.fusion_mode);
   m.ahrs_mode = static_cast<std::int8_t>(s.ahrs_mode);

@@ -60,7 +60,10 @@ void Cascade::propagate(const samples::Attitude& sahrs) {
   const TrackPoint before = dead_reckoning_.point();
   const bool first = !dead_reckoning_.started();
   if (!first && sahrs.time_us <= before.time_us) return;
-  sahrs_restarted_ |= !first && sahrs.reset_count != sahrs_.reset_count;
+  if (!first && sahrs.reset_count != sahrs_.reset_count) {
+    sahrs_restarted_ = true;
+    heading_reference_.reset();
+  }
   sahrs_ = sahrs;
 
   const TrackPoint& now = dead_reckoning_.advance(sahrs);
@@ -113,6 +116,7 @@ Step Cascade::step_at(const TrackPoint& at, int before) const {
   const Step& last = steps_[before];
   Step step{at, steps_[std::min(before + 1, steps_.size() - 1)].conditions, last.estimate};
   step.conditions.sahrs_restarted = false;  // that comes at the end of the step, if it does
+  step.conditions.heading_error.reset();    // and so does that
   step.estimate.propagate(parameters_, step.conditions, last.point, at);
   return step;
 }
@@ -224,9 +228,24 @@ void Cascade::start(double lat, double lon, const ErrorEstimate& estimate) {
 
 /// Remembers by how much SAHRS differs from the configured heading; the filter starts later.
 void Cascade::note_initial_heading() {
-  if (!parameters_.initial_heading) return;
-  first_us_ = sahrs_.time_us;
-  first_heading_error_ = math::wrap_pi(*parameters_.initial_heading - sahrs_.heading);
+  if (!parameters_.initial_heading || heading_reference_) return;
+  heading_reference_ =
+      HeadingReference{sahrs_.time_us, math::wrap_pi(*parameters_.initial_heading - sahrs_.heading),
+                       parameters_.initial_heading_sigma};
+}
+
+void Cascade::know_heading_error(double error, double sigma, std::int64_t time_us) {
+  heading_reference_ = HeadingReference{time_us, error, sigma};
+  heading_news_ = started();
+}
+
+/// The heading error that was known, as far as it still is.
+KnownAngle Cascade::heading_error_now() const {
+  const double level = std::sqrt(angle_variance(parameters_, sahrs_)(0));
+  const math::GaussMarkov model{level, parameters_.heading_error.tau};
+  const double dt = seconds(sahrs_.time_us - heading_reference_->time_us);
+  const double sigma = heading_reference_->sigma * model.decay(dt);
+  return {heading_reference_->error * model.decay(dt), sigma * sigma + model.added_variance(dt)};
 }
 
 ErrorEstimate Cascade::initial_estimate(double position_variance, double gps_covariance) const {
@@ -244,12 +263,10 @@ ErrorEstimate Cascade::initial_estimate(double position_variance, double gps_cov
     const int gps = kGpsError.offset + axis;
     P(position, gps) = P(gps, position) = gps_covariance;
   }
-  if (parameters_.initial_heading) {
-    const math::GaussMarkov model{std::sqrt(angles(0)), parameters_.heading_error.tau};
-    const double dt = seconds(sahrs_.time_us - first_us_);
-    const double sigma = parameters_.initial_heading_sigma * model.decay(dt);
-    x(kHeadingError.offset) = first_heading_error_ * model.decay(dt);
-    P(kHeadingError.offset, kHeadingError.offset) = sigma * sigma + model.added_variance(dt);
+  if (heading_reference_) {
+    const KnownAngle known = heading_error_now();
+    x(kHeadingError.offset) = known.error;
+    P(kHeadingError.offset, kHeadingError.offset) = known.variance;
   }
   return {x, ErrorCovariance(parameters_.covariance, P)};
 }
@@ -257,12 +274,14 @@ ErrorEstimate Cascade::initial_estimate(double position_variance, double gps_cov
 StepConditions Cascade::conditions() const {
   const double silence = seconds(sahrs_.time_us - air_.time_us);
   return {angle_variance(parameters_, sahrs_), gust_meter_.density(),
-          silence > parameters_.air_data_timeout, sahrs_restarted_};
+          silence > parameters_.air_data_timeout, sahrs_restarted_, std::nullopt};
 }
 
 void Cascade::close_step() {
   const Step& last = steps_.back();
   Step step{dead_reckoning_.point(), conditions(), last.estimate};
+  if (heading_news_ && heading_reference_) step.conditions.heading_error = heading_error_now();
+  heading_news_ = false;
   step.estimate.propagate(parameters_, step.conditions, last.point, step.point);
   steps_.push(step);
   sahrs_restarted_ = false;

@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <optional>
 
 #include "lodestar/filter/gate.h"
 #include "lodestar/fusion/cascade_parameters.h"
@@ -41,6 +42,11 @@ class Cascade {
   /// than what is remembered.
   samples::Use update(const samples::GpsFix& fix);
 
+  /// What another reference, now lost, said of the heading of SAHRS: at `time_us` it was wrong by
+  /// `error` (rad, true - SAHRS) to `sigma` (rad). Taken in at the end of the current step, or at
+  /// the start of the filter.
+  void know_heading_error(double error, double sigma, std::int64_t time_us);
+
   const samples::Navigation& navigation() const { return navigation_; }
 
   /// Latest GPS position innovation and its sigma (m, north, east).
@@ -48,11 +54,19 @@ class Cascade {
   const Eigen::Vector2d& innovation_sigma() const { return innovation_sigma_; }
 
  private:
+  // SAHRS's heading error as it was known once.
+  struct HeadingReference {
+    std::int64_t time_us = 0;
+    double error = 0.0;  // rad
+    double sigma = 0.0;  // rad
+  };
+
   bool started() const { return !steps_.empty(); }
   bool fresh(std::int64_t time_us) const;
   StepConditions conditions() const;
 
   void note_initial_heading();
+  KnownAngle heading_error_now() const;
   ErrorEstimate initial_estimate(double position_variance, double gps_covariance) const;
   void start_where_configured();
   void start_at_fix(const samples::GpsFix& fix, const TrackPoint& at);
@@ -89,8 +103,8 @@ class Cascade {
   bool ever_aided_ = false;
   bool sahrs_restarted_ = false;
   std::int64_t aided_us_ = 0;  // time of the last fix that was used
-  std::int64_t first_us_ = 0;  // time of the first frame
-  double first_heading_error_ = 0.0;
+  std::optional<HeadingReference> heading_reference_;
+  bool heading_news_ = false;                           // the filter has yet to take it in
   Eigen::Vector2d anchored_ = Eigen::Vector2d::Zero();  // m, moved into dead reckoning so far
   Eigen::Vector2d offset_ = Eigen::Vector2d::Zero();    // m, latest fix from dead reckoning
   double noise_ = 0.0;                                  // m^2, of the latest fix, per axis

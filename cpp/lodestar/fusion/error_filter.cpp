@@ -100,6 +100,19 @@ void ErrorEstimate::propagate(const CascadeParameters& parameters, const StepCon
   }
   P.propagate(F, G, noise_densities(parameters, conditions, dt), dt);
   if (conditions.sahrs_restarted) restart_angles(conditions.angle_variance);
+  if (conditions.heading_error) take_heading_error(*conditions.heading_error);
+}
+
+void ErrorEstimate::take_heading_error(const KnownAngle& known) {
+  constexpr int kHeading = kHeadingError.offset;
+  Eigen::Matrix<double, 1, kStates> H = Eigen::Matrix<double, 1, kStates>::Zero();
+  H(kHeading) = 1.0;
+  StateMatrix covariance = P.matrix();
+  const filter::JosephUpdate<kStates, 1> joseph(covariance, H,
+                                                Eigen::Matrix<double, 1, 1>(known.variance));
+  const Eigen::Matrix<double, 1, 1> innovation(math::wrap_pi(known.error - x(kHeading)));
+  x += joseph.apply(covariance, innovation);
+  P.assign(covariance);
 }
 
 void ErrorEstimate::restart_angles(const Eigen::Vector3d& variance) {

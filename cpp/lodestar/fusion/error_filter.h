@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 
 #include "lodestar/filter/ud.h"
 #include "lodestar/fusion/cascade_model.h"
@@ -29,12 +30,19 @@ class ErrorCovariance {
   filter::UdCovariance<kStates> ud_;
 };
 
+/// An angle error (rad) and its variance (rad^2), as another reference gives them.
+struct KnownAngle {
+  double error = 0.0;
+  double variance = 0.0;
+};
+
 /// What the model of one step takes from outside.
 struct StepConditions {
   Eigen::Vector3d angle_variance = Eigen::Vector3d::Zero();  // rad^2, heading, pitch, roll
   double gust_density = 0.0;                                 // (m/s)^2 s, per axis
   bool air_data_lost = false;
-  bool sahrs_restarted = false;  // its errors are new ones at the end of the step
+  bool sahrs_restarted = false;             // its errors are new ones at the end of the step
+  std::optional<KnownAngle> heading_error;  // known from elsewhere at the end of the step
 };
 
 /// The estimated errors and their covariance at one time.
@@ -58,6 +66,7 @@ struct ErrorEstimate {
 
  private:
   void restart_angles(const Eigen::Vector3d& variance);
+  void take_heading_error(const KnownAngle& known);
 };
 
 }  // namespace lodestar::fusion

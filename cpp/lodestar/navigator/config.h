@@ -11,10 +11,12 @@
 #include "lodestar/fusion/cascade_parameters.h"
 #include "lodestar/math/parameter.h"
 #include "lodestar/math/rotation.h"
+#include "lodestar/monitor/parameters.h"
 #include "lodestar/sahrs/calibration_record.h"
 #include "lodestar/sahrs/ground_swing.h"
 #include "lodestar/sahrs/parameters.h"
 #include "lodestar/sahrs/smdu_calibration.h"
+#include "lodestar/strapdown/parameters.h"
 
 namespace lodestar::navigator {
 
@@ -117,7 +119,9 @@ struct Config {
   sahrs::smdu::FilterParameters smdu_calibration_filter;
   sahrs::smdu::SwingParameters smdu_ground_swing;
   sahrs::Parameters sahrs;
+  strapdown::Parameters strapdown;
   fusion::CascadeParameters cascade;
+  monitor::InsMonitorParameters ins_monitor;
   std::uint32_t hash = 0;  // CRC-32 of the text it was read from; 0 for the built-in defaults
 
   /// Calls `section(name, parameters)` for each section, in the order of the docs.
@@ -131,7 +135,9 @@ struct Config {
     section("smdu_calibration_filter", self.smdu_calibration_filter);
     section("smdu_ground_swing", self.smdu_ground_swing);
     section("sahrs", self.sahrs);
+    section("strapdown", self.strapdown);
     section("fusion.cascade", self.cascade);
+    section("monitor.ins", self.ins_monitor);
   }
 };
 

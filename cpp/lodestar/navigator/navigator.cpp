@@ -11,13 +11,20 @@ using samples::Use;
 
 namespace {
 
-sahrs::PaperSahrs make_sahrs(const Config& config) {
-  sahrs::Parameters parameters = config.sahrs;
+constexpr std::int64_t kMonitorStep = kSecond / 10;  // between two INS.MONITOR
+
+sahrs::Sahrs make_sahrs(const Config& config) {
+  sahrs::Parameters paper = config.sahrs;
+  strapdown::Parameters velocity = config.strapdown;
   const sahrs::FieldCalibration& calibration = config.smdu_calibration;
-  if (calibration.bias_sigma) parameters.field_bias.sigma = *calibration.bias_sigma;
-  if (calibration.matrix_sigma) parameters.field_matrix_sigma = *calibration.matrix_sigma;
-  sahrs::PaperSahrs sahrs(parameters, config.smdu_calibration, config.earth.geomagnetic_model,
-                          config.earth.epoch_year);
+  if (calibration.bias_sigma) {
+    paper.field_bias.sigma = velocity.field_bias_sigma = *calibration.bias_sigma;
+  }
+  if (calibration.matrix_sigma) {
+    paper.field_matrix_sigma = velocity.field_matrix_sigma = *calibration.matrix_sigma;
+  }
+  sahrs::Sahrs sahrs(paper, velocity, calibration, config.earth.geomagnetic_model,
+                     config.earth.epoch_year);
   const InitialParameters& initial = config.initial;
   sahrs.set_position(initial.lat, initial.lon, initial.h);
   return sahrs;
@@ -45,9 +52,11 @@ fusion::Cascade make_cascade(const Config& config) {
 
 Navigator::Navigator(const Config& config)
     : config_(config),
+      field_model_(config.earth.geomagnetic_model),
       sahrs_(make_sahrs(config)),
       cascade_(make_cascade(config)),
       calibration_(make_calibration(config)),
+      ins_monitor_(config.ins_monitor, config.timeout.ins),
       body_rates_(config.timeout.body_rates),
       inputs_({Channel::kLoadFactor, config.timeout.load_factor},
               {Channel::kMagneticField, config.timeout.magnetic_field},
@@ -146,6 +155,7 @@ void Navigator::start_over() {
   sahrs_ = make_sahrs(config_);
   cascade_ = make_cascade(config_);
   calibration_ = make_calibration(config_);
+  ins_monitor_ = monitor::InsMonitor(config_.ins_monitor, config_.timeout.ins);
   body_rates_.restart();
   const auto restart = [](auto& input) {
     input.watch.restart();
@@ -154,6 +164,7 @@ void Navigator::start_over() {
   };
   std::apply([&](auto&... input) { (restart(input), ...); }, inputs_);
   next_health_us_ = 0;
+  next_monitor_us_ = 0;
 }
 
 void Navigator::estimate(const samples::BodyRates& rates) {
@@ -162,7 +173,11 @@ void Navigator::estimate(const samples::BodyRates& rates) {
   sahrs_.finish_frame();
   cascade_.propagate(sahrs_.attitude());
   apply_in_order(std::get<3>(inputs_));
+  ins_monitor_.propagate(sahrs_.attitude());
   apply_in_order(std::get<4>(inputs_));
+  if (const auto heading = ins_monitor_.take_failure()) {
+    cascade_.know_heading_error(heading->error, heading->sigma, heading->time_us);
+  }
   std::apply([this](auto&... input) { (drop_future(input), ...); }, inputs_);
   const samples::Navigation& nav = cascade_.navigation();
   if (nav.valid) sahrs_.set_position(nav.lat, nav.lon, nav.h);
@@ -232,6 +247,7 @@ Use Navigator::apply(const samples::AirData& sample) {
 // here.
 Use Navigator::apply(const samples::InsSolution& sample) {
   calibration_.update(sample);
+  ins_monitor_.compare(sample);
   return Use::kHeld;
 }
 
@@ -257,7 +273,14 @@ void Navigator::publish(std::int64_t time_us, bool first) {
   const bool bridged = time_us - rates_us_ <= kLongestCoast;
   outputs_.sahrs.valid = outputs_.sahrs.valid && bridged;
   outputs_.nav.valid = outputs_.nav.valid && bridged;
+  const samples::InsState before = outputs_.ins_monitor.state;
+  outputs_.ins_monitor = ins_monitor_.state();
+  outputs_.ins_monitor.time_us = time_us;
+  const bool news = outputs_.ins_monitor.state != before;
+  outputs_.ins_monitor_due = first || news || time_us >= next_monitor_us_;
+  if (outputs_.ins_monitor_due) next_monitor_us_ = (time_us / kMonitorStep + 1) * kMonitorStep;
   outputs_.health_due = first || time_us >= next_health_us_;
+  if (outputs_.ins_monitor.state == samples::InsState::kMiscompare) calibration_.fail_ins();
   if (!outputs_.health_due) return;
   next_health_us_ = (time_us / kSecond + 1) * kSecond;
   outputs_.smdu_calibration = calibration_.status(time_us);
@@ -284,19 +307,25 @@ samples::Health Navigator::health() const {
   set_state(Channel::kGpsObservables, gps_observables_);
   set_state(Channel::kSar, sar_);
   set_state(Channel::kRadarAltitude, radar_altitude_);
+  health.sahrs_form = sahrs_.form();
   health.sahrs_mode = outputs_.sahrs.mode;
   health.fusion_mode = outputs_.nav.mode;
   health.calibration_id = calibration_id(config_.smdu_calibration);
   health.config_hash = config_.hash;
-  std::copy(sahrs_.innovation().begin(), sahrs_.innovation().end(), health.innovation.begin());
-  std::copy(sahrs_.innovation_sigma().begin(), sahrs_.innovation_sigma().end(),
-            health.innovation_sigma.begin());
+  const sahrs::Sahrs::Rows innovation = sahrs_.innovation();
+  const sahrs::Sahrs::Rows innovation_sigma = sahrs_.innovation_sigma();
+  std::copy(innovation.begin(), innovation.end(), health.innovation.begin());
+  std::copy(innovation_sigma.begin(), innovation_sigma.end(), health.innovation_sigma.begin());
   for (int axis = 0; axis < 2; ++axis) {
-    const std::size_t row = sahrs_.innovation().size() + static_cast<std::size_t>(axis);
+    const std::size_t row = innovation.size() + static_cast<std::size_t>(axis);
     health.innovation[row] = cascade_.innovation()(axis);
     health.innovation_sigma[row] = cascade_.innovation_sigma()(axis);
   }
   health.assumption_rejects = sahrs_.assumption_rejects();
+  const double h = outputs_.nav.valid ? outputs_.nav.h : config_.initial.h;
+  if (!field_model_.validity(config_.earth.epoch_year, h).valid()) {
+    health.warning = samples::kWarningFieldModel;
+  }
   return health;
 }
 

@@ -4,12 +4,14 @@
 #include <cstdint>
 #include <tuple>
 
+#include "lodestar/earth/geomagnetic_model.h"
 #include "lodestar/fusion/cascade.h"
+#include "lodestar/monitor/ins_monitor.h"
 #include "lodestar/navigator/config.h"
 #include "lodestar/navigator/frame_clock.h"
 #include "lodestar/navigator/pending.h"
 #include "lodestar/navigator/sensor_watch.h"
-#include "lodestar/sahrs/paper_sahrs.h"
+#include "lodestar/sahrs/sahrs.h"
 #include "lodestar/sahrs/smdu_calibration_filter.h"
 #include "lodestar/samples/health.h"
 #include "lodestar/samples/samples.h"
@@ -20,6 +22,8 @@ namespace lodestar::navigator {
 struct Outputs {
   samples::Attitude sahrs;
   samples::Navigation nav;
+  samples::InsMonitor ins_monitor;
+  bool ins_monitor_due = false;  // ten times a second, and at once on a change of state
   samples::SmduCalibration smdu_calibration;  // refreshed when HEALTH is due
   bool health_due = false;  // once per second of flight time, and on the first frame
 };
@@ -106,15 +110,18 @@ class Navigator {
   void publish(std::int64_t time_us, bool first);
 
   Config config_;
+  earth::GeomagneticModel field_model_;  // for its validity
   FrameClock clock_;
-  sahrs::PaperSahrs sahrs_;
+  sahrs::Sahrs sahrs_;
   fusion::Cascade cascade_;
   sahrs::smdu::CalibrationFilter calibration_;
+  monitor::InsMonitor ins_monitor_;
   samples::Counters counters_{};
   Outputs outputs_;
-  std::int64_t rates_us_ = 0;        // time of the last body rates that could be used
-  std::int64_t next_health_us_ = 0;  // flight time at which HEALTH is due
-  std::int16_t restarts_ = 0;        // attitude resets before the last start over
+  std::int64_t rates_us_ = 0;         // time of the last body rates that could be used
+  std::int64_t next_health_us_ = 0;   // flight time at which HEALTH is due
+  std::int64_t next_monitor_us_ = 0;  // ... and INS.MONITOR
+  std::int16_t restarts_ = 0;         // attitude resets before the last start over
 
   SensorWatch<samples::BodyRates> body_rates_;
   std::tuple<Input<samples::LoadFactor, kDeep>, Input<samples::MagneticField, kShallow>,

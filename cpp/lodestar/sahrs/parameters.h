@@ -8,9 +8,13 @@
 #include "lodestar/math/gauss_markov.h"
 #include "lodestar/math/parameter.h"
 #include "lodestar/math/rotation.h"
+#include "lodestar/samples/outputs.h"
 #include "lodestar/samples/samples.h"
 
 namespace lodestar::sahrs {
+
+/// Names of the forms: VelocitySahrs and PaperSahrs.
+inline constexpr const char* kFormNames[] = {"velocity", "paper"};
 
 /// What the pitch and roll measurements take for granted, in the order of
 /// HEALTH.assumption_rejects. The first that fails is the one counted.
@@ -53,6 +57,8 @@ struct FieldCalibration {
 struct Parameters {
   static constexpr double kDegree = math::kDegree;
   static constexpr double kG0 = samples::kStandardGravity;
+
+  samples::SahrsForm form = samples::SahrsForm::kVelocity;
 
   // Gyros.
   double gyro_noise = 0.0065 * kDegree;                 // rad/s/sqrt(Hz)
@@ -97,6 +103,8 @@ struct Parameters {
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
+    visit(self.form, {"form", kFormNames, 2,
+                      "Velocity-aided, with the parameters of [strapdown], or as in the paper"});
     describe_sensors(self, visit);
     describe_checks(self, visit);
   }

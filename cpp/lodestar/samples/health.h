@@ -26,16 +26,17 @@ struct CycleTimes {
 /// HEALTH: see lcm_types/health_t.lcm.
 struct Health {
   static constexpr int kAssumptions = 8;
-  static constexpr int kInnovations = 8;
+  static constexpr int kInnovations = 10;
   std::int64_t time_us = 0;
   Counters counters{};
   std::array<SensorState, kChannels> sensor_state{};
   CycleTimes cycle{};
+  SahrsForm sahrs_form = SahrsForm::kVelocity;
   AttitudeMode sahrs_mode = AttitudeMode::kWaiting;
   FusionMode fusion_mode = FusionMode::kWaiting;
   AttitudeMode ahrs_mode = AttitudeMode::kWaiting;
   std::array<std::int64_t, kAssumptions> assumption_rejects{};
-  std::array<double, kInnovations> innovation{};        // nT x3, rad x2, m x2
+  std::array<double, kInnovations> innovation{};        // see lcm_types/health_t.lcm
   std::array<double, kInnovations> innovation_sigma{};  // same units
   std::int64_t calibration_id = 0;
   std::int64_t config_hash = 0;

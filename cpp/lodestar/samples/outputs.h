@@ -47,6 +47,9 @@ struct Attitude {
   Eigen::Vector3d sigma_B() const { return P_B.diagonal().cwiseSqrt(); }
 };
 
+/// What SAHRS is made of; the measurements that bits and rows speak of are those of its form.
+enum class SahrsForm : std::int8_t { kVelocity = 0, kPaper = 1 };
+
 /// NAV.
 struct Navigation {
   std::int64_t time_us = 0;
@@ -69,6 +72,22 @@ struct Navigation {
   Eigen::Vector2d reset_delta = Eigen::Vector2d::Zero();  // m
   FusionMode mode = FusionMode::kWaiting;
   bool valid = false;
+};
+
+enum class InsState : std::int8_t {
+  kNone = 0,        // no INS, or no valid SAHRS to compare it with
+  kAgree = 1,       // every difference within its threshold
+  kSuspect = 2,     // one is not, or not clearly
+  kMiscompare = 3,  // one has been over its threshold for too long
+};
+
+/// INS.MONITOR. Axes: along the heading, to its right, down; in level flight roll, pitch, heading.
+struct InsMonitor {
+  std::int64_t time_us = 0;
+  Eigen::Vector3d difference = Eigen::Vector3d::Zero();  // rad, INS - SAHRS
+  Eigen::Vector3d threshold = Eigen::Vector3d::Zero();   // rad, of its absolute value
+  Eigen::Vector3d time_over = Eigen::Vector3d::Zero();   // s
+  InsState state = InsState::kNone;
 };
 
 enum class CalibrationState : std::int8_t {

@@ -41,6 +41,14 @@ def command(
         bool, typer.Option("--realtime", help="At the pace of the clock on the wall.")
     ] = False,
     seed: Annotated[int, typer.Option("--seed", min=0, help="Of all that is random.")] = 1,
+    engine: Annotated[
+        str,
+        typer.Option(
+            "--engine",
+            metavar="profile|jsbsim",
+            help="What flies the route: our kinematics, or the F-16 of JSBSim (an extra).",
+        ),
+    ] = "profile",
     out: OutOption = None,
     bus: Annotated[
         str | None,
@@ -73,7 +81,9 @@ def command(
         folder = outcome.run_folder(out or Path("out") / flown.name)
         try:
             with _progress() as progress:
-                factor = _fly(flown, seed, url, folder, config, calibration, realtime, progress)
+                factor = _fly(
+                    flown, seed, engine, url, folder, config, calibration, realtime, progress
+                )
                 progress.add_task("score and report", total=None)
                 recording = read_log(folder / LOG, strict=False)
                 result = score(recording, case=flown.name, seed=seed, realtime_factor=factor)
@@ -88,6 +98,7 @@ def command(
 def _fly(
     scenario: Scenario,
     seed: int,
+    engine: str,
     url: str,
     folder: Path,
     config: Path | None,
@@ -99,7 +110,7 @@ def _fly(
     from lodestar.harness.fly import fly_plan, prepare
 
     simulating = progress.add_task("simulate", total=None)
-    plan = prepare(scenario, seed, given_or_shipped(config) if config else None)
+    plan = prepare(scenario, seed, given_or_shipped(config) if config else None, engine)
     progress.remove_task(simulating)
     flying = progress.add_task(f"fly {scenario.name}", total=scenario.duration_s)
     start = time.monotonic()

@@ -8,7 +8,18 @@ from typing import Annotated
 import typer
 
 import lodestar
-from lodestar.cli import calibrate, convert, doctor, fly, import_, replay, score, spy, watch
+from lodestar.cli import (
+    calibrate,
+    convert,
+    doctor,
+    fly,
+    import_,
+    monte_carlo,
+    replay,
+    score,
+    spy,
+    watch,
+)
 from lodestar.cli.common import BAD_INPUT, fail
 from lodestar.errors import InputError
 
@@ -26,6 +37,7 @@ app.command("score", epilog=score.EXAMPLE)(score.command)
 app.command("convert", epilog=convert.EXAMPLE)(convert.command)
 app.command("import", epilog=import_.EXAMPLE)(import_.command)
 app.command("calibrate", epilog=calibrate.EXAMPLE)(calibrate.command)
+app.add_typer(monte_carlo.app, name="monte-carlo")
 app.command("spy", epilog=spy.EXAMPLE)(spy.command)
 app.command("watch", epilog=watch.EXAMPLE)(watch.command)
 app.command("doctor", epilog=doctor.EXAMPLE)(doctor.command)

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 EXAMPLE = "Example: lodestar watch, and lodestar fly --realtime --bus default in another terminal"
 
 _PERIOD_S = 0.2
-_CHANNELS = ("SAHRS", "NAV", "TRUTH", "HEALTH")
+_CHANNELS = ("SAHRS", "NAV", "TRUTH", "HEALTH", "INS.MONITOR")
 
 
 def command(
@@ -43,6 +43,8 @@ def _table(latest: dict[str, Any]) -> Table:
 
     from rich.table import Table
 
+    from lodestar.channels import INS_STATES, WARNINGS
+
     table = Table(title="Waiting for a flight" if not latest else None)
     for name in ("", *_CHANNELS[:3]):
         table.add_column(name, justify="right", min_width=12)
@@ -62,9 +64,16 @@ def _table(latest: dict[str, Any]) -> Table:
         table.add_row(label, *("" if value is None else show(value) for value in found))
     health = latest.get("HEALTH")
     if health is not None:
-        table.caption = (
+        caption = (
             f"received {sum(health.received)}, used {sum(health.used)}, "
             f"rejected {sum(map(sum, health.rejected))}, "
             f"frame {health.cycle_mean * 1e6:.1f} us mean, {health.cycle_max * 1e6:.1f} us max"
         )
+        for bit, text in WARNINGS.items():
+            if health.warning & bit:
+                caption += f"\nWARNING: {text}"
+        table.caption = caption
+    monitor = latest.get("INS.MONITOR")
+    if monitor is not None:
+        table.title = f"INS: {INS_STATES[monitor.state]}"
     return table

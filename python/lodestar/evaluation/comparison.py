@@ -94,7 +94,7 @@ def compare(recording: Recording) -> Comparison:
         losses = gaps(gps["time_us"][gps["fix_type"] >= 2], end_us, GPS_LOSS_US)
     return Comparison(
         reference=name,
-        sahrs=_sahrs(recording, name) if _has(recording, "SAHRS") else None,
+        sahrs=compare_sahrs(recording, name) if _has(recording, "SAHRS") else None,
         nav=_nav(recording, name) if _has(recording, "NAV") else None,
         dead_reckoning=_dead_reckoning(recording, name),
         gps_losses=losses,
@@ -173,7 +173,8 @@ def _attitude(channel: Channel, reference: Reference, sigma: Array | None) -> Se
     return Series(("roll", "pitch", "heading"), error, sigma)
 
 
-def _sahrs(recording: Recording, name: str) -> Estimates:
+def compare_sahrs(recording: Recording, name: str = "TRUTH") -> Estimates:
+    """Errors of SAHRS against the reference channel, at the times of SAHRS."""
     sahrs = recording["SAHRS"]
     reference = reference_at(recording, name, sahrs["time_us"])
     C_NB = rotation.C_NB_from_q_NB(sahrs["q_NB"])

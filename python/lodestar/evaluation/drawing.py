@@ -6,7 +6,9 @@ Colours are of the Okabe-Ito set, which the colour-blind can tell apart.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import io
+from collections.abc import Mapping, Sequence
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -15,6 +17,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
+from lodestar.errors import InputError
 from lodestar.evaluation.comparison import Series, reference_at
 from lodestar.evaluation.metrics import Gap, north_east_m
 from lodestar.recordings.recording import Channel, Recording
@@ -59,6 +62,30 @@ STYLE: dict[Any, Any] = {
     "legend.fontsize": 9.5,
     "path.simplify_threshold": 0.2,
 }
+
+
+def png(figure: Figure) -> bytes:
+    """The figure as PNG; the same figure gives the same bytes."""
+    buffer = io.BytesIO()
+    # Without the version of the writer.
+    figure.savefig(buffer, format="png", metadata={"Software": None})
+    return buffer.getvalue()
+
+
+def write_images(images: Mapping[str, bytes], folder: Path) -> list[Path]:
+    """Write PNG images by name into a folder, which is made; returns their paths.
+
+    Raises InputError when they cannot be written.
+    """
+    paths = []
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        for name, image in images.items():
+            paths.append(folder / f"{name}.png")
+            paths[-1].write_bytes(image)
+    except OSError as error:
+        raise InputError(f"{folder}: {error.strerror}") from None
+    return paths
 
 
 def panels(labels: Sequence[str], height: float = 1.9) -> tuple[Figure, list[Axes]]:

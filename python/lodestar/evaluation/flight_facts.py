@@ -6,13 +6,11 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from lodestar.channels import INPUTS
+from lodestar.channels import INPUTS, WARNINGS
 from lodestar.evaluation.health_plots import REASONS
 from lodestar.evaluation.score import Score
 from lodestar.evaluation.summary import Table
 from lodestar.recordings.recording import Channel, Recording
-
-_WARNINGS = {1: "outside the geomagnetic model's validity", 2: "realtime scheduling refused"}
 
 
 def description(recording: Recording, score: Score) -> str:
@@ -57,7 +55,7 @@ def channel_table(recording: Recording) -> Table:
         for name, channel in recording.channels.items()
     ]
     header = ("channel", "messages", "rate, Hz", "used", "refused")
-    return Table("Channels", header, rows)
+    return Table("Channels", header, rows, wide=True)
 
 
 def _counts(channel: Channel) -> tuple[str, str]:
@@ -91,5 +89,5 @@ def computer(recording: Recording) -> str:
         told.append(
             f"frames mean {last['cycle_mean'] * 1e6:.1f} µs, 99 % {last['cycle_p99'] * 1e6:.1f} µs"
         )
-    told += [text for bit, text in _WARNINGS.items() if int(last["warning"]) & bit]
+    told += [text for bit, text in WARNINGS.items() if int(last["warning"]) & bit]
     return " · ".join(told)

@@ -30,15 +30,27 @@ REASONS = (
     "queue full",
     "gate",
 )
-INNOVATIONS = (
-    ("field north, nT", 1.0),
-    ("field east, nT", 1.0),
-    ("field down, nT", 1.0),
-    ("pitch, deg", drawing.DEGREES),
-    ("roll, deg", drawing.DEGREES),
-    ("GPS north, m", 1.0),
-    ("GPS east, m", 1.0),
-)
+_SAHRS_INNOVATIONS = {
+    0: (
+        ("field x, nT", 1.0),
+        ("field y, nT", 1.0),
+        ("field z, nT", 1.0),
+        ("airspeed, m/s", 1.0),
+        ("alpha, deg", drawing.DEGREES),
+        ("beta, deg", drawing.DEGREES),
+        ("baro altitude, m", 1.0),
+    ),
+    1: (
+        ("field north, nT", 1.0),
+        ("field east, nT", 1.0),
+        ("field down, nT", 1.0),
+        ("pitch, deg", drawing.DEGREES),
+        ("roll, deg", drawing.DEGREES),
+        ("", 1.0),
+        ("", 1.0),
+    ),
+}
+_NAV_INNOVATIONS = (("GPS north, m", 1.0), ("GPS east, m", 1.0))
 SAHRS_MODES = ("waiting", "aligning", "running", "coasting", "re-aligning")
 NAV_MODES = ("waiting", "aiding", "dead reckoning", "re-acquiring")
 _MOST_SERIES = 6
@@ -50,13 +62,14 @@ def innovations(recording: Recording, score: Score) -> Figure | None:
     if "HEALTH" not in recording:
         return None
     health = recording["HEALTH"]
-    shown = [i for i in range(len(INNOVATIONS)) if (health["innovation_sigma"][:, i] > 0).any()]
+    rows = (*_SAHRS_INNOVATIONS[int(health["sahrs_form"][-1])], *_NAV_INNOVATIONS)
+    shown = [i for i in range(len(rows)) if (health["innovation_sigma"][:, i] > 0).any()]
     if not shown:
         return None
-    figure, axes = drawing.panels([INNOVATIONS[i][0] for i in shown], height=1.35)
+    figure, axes = drawing.panels([rows[i][0] for i in shown], height=1.35)
     t = drawing.seconds(health["time_us"])
     for one, index in zip(axes, shown, strict=True):
-        scale = INNOVATIONS[index][1]
+        scale = rows[index][1]
         sigma = scale * health["innovation_sigma"][:, index]
         value = scale * health["innovation"][:, index]
         # HEALTH repeats the latest innovation until there is another.

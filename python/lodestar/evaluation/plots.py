@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import io
 from collections.abc import Callable
 from pathlib import Path
 
@@ -13,7 +12,6 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from lodestar.errors import InputError
 from lodestar.evaluation import drawing
 from lodestar.evaluation.comparison import Series
 from lodestar.evaluation.health_plots import innovations, modes
@@ -56,14 +54,8 @@ def figures(recording: Recording, score: Score) -> dict[str, Figure]:
 
 def render(recording: Recording, score: Score) -> dict[str, bytes]:
     """The plots as PNG, by name."""
-    images = {}
     with mpl.rc_context(drawing.STYLE):
-        for name, figure in figures(recording, score).items():
-            buffer = io.BytesIO()
-            # Without the version of the writer, the same flight gives the same bytes.
-            figure.savefig(buffer, format="png", metadata={"Software": None})
-            images[name] = buffer.getvalue()
-    return images
+        return {name: drawing.png(one) for name, one in figures(recording, score).items()}
 
 
 def write_plots(
@@ -74,16 +66,7 @@ def write_plots(
     ``images`` are those of render() where it was called already. Raises InputError when they
     cannot be written.
     """
-    images = render(recording, score) if images is None else images
-    paths = []
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        for name, image in images.items():
-            paths.append(folder / f"{name}.png")
-            paths[-1].write_bytes(image)
-    except OSError as error:
-        raise InputError(f"{folder}: {error.strerror}") from None
-    return paths
+    return drawing.write_images(render(recording, score) if images is None else images, folder)
 
 
 def attitude(recording: Recording, score: Score) -> Figure | None:

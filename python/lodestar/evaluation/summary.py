@@ -16,12 +16,16 @@ _SINGLE_LOSSES = 3
 
 @dataclass(frozen=True)
 class Table:
-    """A table of text: the first column names the row; ``bad`` holds the cells over a limit."""
+    """A table of text: the first column names the row; ``bad`` holds the cells over a limit.
+
+    ``wide``: the last column may break its lines.
+    """
 
     title: str
     header: tuple[str, ...]
     rows: list[tuple[str, ...]]
     bad: frozenset[tuple[int, int]] = frozenset()
+    wide: bool = False
 
 
 # Name, metric stem, unit, estimator before and after correction.

@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+from typing import Literal
+
 from rich import box
 from rich.console import Console
 from rich.markup import escape
@@ -18,7 +20,7 @@ def print_table(score: Score, console: Console | None = None) -> None:
     out.print(f"[bold]{escape(summary.headline(score))}[/bold]", end="\n\n")
     for table in (summary.error_table(score), summary.loss_table(score)):
         if table is not None:
-            out.print(_rich(table))
+            out.print(rich_table(table))
             out.print()
     for note in summary.notes(score):
         out.print(escape(note), style="dim", highlight=False)
@@ -26,12 +28,15 @@ def print_table(score: Score, console: Console | None = None) -> None:
     out.print(escape(summary.verdict(score)), style=style, highlight=False)
 
 
-def _rich(table: summary.Table) -> RichTable:
+def rich_table(table: summary.Table) -> RichTable:
+    """The table for a terminal; what breaks a limit is red."""
     made = RichTable(box=box.SIMPLE_HEAD, show_edge=False, pad_edge=False, collapse_padding=True)
     for index, name in enumerate(table.header):
         # Broken at its first word, so that the columns are no wider than their figures.
         heading = name.replace(" ", "\n", 1) if index else name
-        made.add_column(heading, justify="right" if index else "left", no_wrap=True)
+        folds = table.wide and index == len(table.header) - 1
+        side: Literal["left", "right"] = "left" if folds or index == 0 else "right"
+        made.add_column(heading, justify=side, no_wrap=not folds)
     for row, cells in enumerate(table.rows):
         made.add_row(
             *(

@@ -49,6 +49,7 @@ KINDS: dict[str, Kind] = {
     "spike": Kind(
         "one message per interval is off", value="unit of the field", field="one", interval=True
     ),
+    "saturate": Kind("values stop at plus and minus value", value="unit of the field", field="one"),
     "nan": Kind("values are not numbers", field="all"),
     "time_jump": Kind("time stamps are off", value="s"),
     "duplicate": Kind("every message comes twice"),
@@ -98,6 +99,8 @@ def check_fault(fault: Fault) -> None:
         raise ValueError(f"{fault.kind} takes no field")
     if kind.value and fault.value == 0.0:
         raise ValueError(f"{fault.kind} needs a value ({kind.value})")
+    if fault.kind == "saturate" and fault.value < 0.0:
+        raise ValueError("saturate needs a value above 0")
     if fault.kind == "noise" and fault.value <= 1.0:
         raise ValueError("noise needs a value above 1")
 
@@ -237,6 +240,13 @@ def _spike(columns: Channel, rows: Rows, fault: Fault, rng: np.random.Generator)
     return _add(columns, first, fault, np.full(len(rows), fault.value))
 
 
+def _saturate(columns: Channel, rows: Rows, fault: Fault, rng: np.random.Generator) -> Channel:
+    values = columns[fault.field]
+    hit = rows.reshape(-1, *[1] * (values.ndim - 1)) & (_axes(values, fault) > 0)
+    columns[fault.field] = np.where(hit, np.clip(values, -fault.value, fault.value), values)
+    return columns
+
+
 def _nan(columns: Channel, rows: Rows, fault: Fault, rng: np.random.Generator) -> Channel:
     for name in _fields_of(fault):
         hit = rows.reshape(-1, *[1] * (columns[name].ndim - 1)) & (_axes(columns[name], fault) > 0)
@@ -277,6 +287,7 @@ _APPLIED_BY: dict[str, Callable[[Channel, Rows, Fault, np.random.Generator], Cha
     "ramp": _ramp,
     "noise": _noise,
     "spike": _spike,
+    "saturate": _saturate,
     "nan": _nan,
     "time_jump": _time_jump,
     "duplicate": _duplicate,

@@ -47,6 +47,7 @@ def fly(
     scenario: Scenario | str | Path,
     seed: int = 1,
     *,
+    engine: str = "profile",
     realtime: bool = False,
     url: str | None = None,
     config: Path | None = None,
@@ -54,16 +55,17 @@ def fly(
 ) -> Recording:
     """Simulate a scenario, fly it, and return everything that went over the bus.
 
-    ``scenario`` may be a shipped one's name or a TOML file; ``config`` is a TOML file whose keys
-    go before those of the scenario; ``calibration`` is used and, after a good flight, replaced, as
-    by lodestar-fc. The bus is an isolated one unless ``url`` names another.
+    ``scenario`` may be a shipped one's name or a TOML file; ``engine`` is one of
+    harness.scenario.ENGINES; ``config`` is a TOML file whose keys go before those of the scenario;
+    ``calibration`` is used and, after a good flight, replaced, as by lodestar-fc. The bus is an
+    isolated one unless ``url`` names another.
 
     Raises InputError for a bad scenario or configuration, or where there is no bus, and
     FlightComputerError if the flight computer ends or falls silent.
     """
     if not isinstance(scenario, Scenario):
         scenario = load_scenario(scenario)
-    plan = prepare(scenario, seed, config)
+    plan = prepare(scenario, seed, config, engine)
     with contextlib.ExitStack() as stack:
         url = url or stack.enter_context(isolated_bus())
         folder = Path(stack.enter_context(tempfile.TemporaryDirectory()))
@@ -71,10 +73,12 @@ def fly(
         return read_log(folder / LOG, strict=False)
 
 
-def prepare(scenario: Scenario, seed: int, config: Path | None = None) -> Plan:
-    """Simulate the flight. Raises InputError for a bad scenario or configuration."""
+def prepare(
+    scenario: Scenario, seed: int, config: Path | None = None, engine: str = "profile"
+) -> Plan:
+    """Simulate the flight. Raises InputError for a bad scenario, engine or configuration."""
     overrides = {} if config is None else _read_config(config)
-    inputs = simulate(scenario, seed)
+    inputs = simulate(scenario, seed, engine)
     return Plan(
         inputs,
         malformed_datagrams(scenario, seed),

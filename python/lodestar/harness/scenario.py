@@ -23,16 +23,18 @@ from lodestar.errors import InputError
 from lodestar.harness.faults import Fault, RawPayload, check_fault, inject, raw_payloads
 from lodestar.paths import config_path, config_root, shipped
 from lodestar.recordings.recording import Recording
-from lodestar.simulation.flight_path import FlightPath
+from lodestar.simulation.flight_path import FlightError, FlightPath
+from lodestar.simulation.jsbsim_engine import fly_jsbsim
 from lodestar.simulation.profile import flight_path, read_profile
 from lodestar.simulation.sensor_errors import random_stream
 from lodestar.simulation.sensors import GpsService, sense
 from lodestar.simulation.suites import SUITES
-from lodestar.simulation.trajectory import Trajectory, fly_path
+from lodestar.simulation.trajectory import Aircraft, Trajectory, fly_path
 from lodestar.simulation.wind import Turbulence, Wind
 from lodestar.strict_toml import option
 
 LIVING_AIR = "+air"
+ENGINES = ("profile", "jsbsim")
 _LAST_INS_SIGMA_DEG = 0.1  # of its attitude and heading
 
 
@@ -73,6 +75,16 @@ class GpsTable:
     velocity: bool = option(False, doc="the receiver gives velocity")
     latency_s: float = option(0.2, low=0, high=1, doc="from validity to arrival")
     outages: tuple[OutageTable, ...] = option((), doc="times without any fix")
+
+
+@dataclass(frozen=True)
+class Air:
+    """What of the air makes a flight: wind, turbulence, date (for its field), random numbers."""
+
+    wind: Wind
+    turbulence: Turbulence
+    epoch_year: float
+    seed: int
 
 
 @dataclass(frozen=True)
@@ -142,8 +154,13 @@ def in_living_air(scenario: Scenario) -> Scenario:
     )
 
 
-def fly_truth(scenario: Scenario, seed: int) -> Trajectory:
-    """The truth of the flight. Raises InputError where the route cannot be flown."""
+def fly_truth(scenario: Scenario, seed: int, engine: str = "profile") -> Trajectory:
+    """The truth of the flight. Raises InputError where the route cannot be flown.
+
+    ``engine``: "profile" flies the route to the digit, "jsbsim" as JSBSim's F-16 can.
+    """
+    if engine not in ENGINES:
+        raise InputError(f"engine {engine}: unknown; allowed are {', '.join(ENGINES)}")
     path = _path(scenario.route, scenario.rate_hz)
     count = round(scenario.duration_s * scenario.rate_hz) + 1
     if count > len(path.airspeed):
@@ -151,14 +168,6 @@ def fly_truth(scenario: Scenario, seed: int) -> Trajectory:
             f"{scenario.route}: lasts {path.duration:.1f} s, scenario {scenario.name} asks for "
             f"{scenario.duration_s:g} s"
         )
-    path = replace(
-        path,
-        airspeed=path.airspeed[:count],
-        path_angle=path.path_angle[:count],
-        track=path.track[:count],
-        bank=path.bank[:count],
-    )
-    interval = 1 / scenario.rate_hz
     w = scenario.wind
     wind = Wind(
         steady=(w.north_m_s, w.east_m_s),
@@ -168,23 +177,26 @@ def fly_truth(scenario: Scenario, seed: int) -> Trajectory:
         wander_tau=w.wander_tau_s,
     )
     turbulence = Turbulence(scenario.turbulence.sigma_m_s, scenario.turbulence.length_m)
-    return fly_path(
-        path,
-        wind.velocity_N(interval * np.arange(count, dtype=np.float64), random_stream(seed, "wind")),
-        turbulence.gust_B(
-            count, interval, float(np.mean(path.airspeed)), random_stream(seed, "turbulence")
-        ),
-        SUITES[scenario.suite].aircraft,
-        scenario.epoch_year,
-    )
+    # In calm air every seed is the same flight.
+    calm = wind.wander_sigma == 0.0 and turbulence.sigma == 0.0
+    aircraft = SUITES[scenario.suite].aircraft
+    air = Air(wind, turbulence, scenario.epoch_year, 0 if calm else seed)
+    return _truth(scenario.route, scenario.rate_hz, count, aircraft, air, engine)
 
 
-def simulate(scenario: Scenario, seed: int) -> Recording:
+def simulate(scenario: Scenario, seed: int, engine: str = "profile") -> Recording:
     """Fly the scenario: the sensors' messages, faults included, and TRUTH.
 
     Raises InputError where the route cannot be flown or a fault does not fit the flight.
     """
-    trajectory = fly_truth(scenario, seed)
+    return measure(scenario, fly_truth(scenario, seed, engine), seed)
+
+
+def measure(scenario: Scenario, trajectory: Trajectory, seed: int) -> Recording:
+    """What the scenario's sensors give on a flight, faults included, and TRUTH.
+
+    Raises InputError where a fault does not fit the flight.
+    """
     gps = GpsService(
         scenario.gps.errors,
         scenario.gps.velocity,
@@ -296,6 +308,47 @@ def _route(scenario_file: Path, route: str) -> Path:
 def _path(route: str, rate_hz: int) -> FlightPath:
     """The path of a route: the same for every seed, so kept."""
     return flight_path(read_profile(Path(route)), rate_hz)
+
+
+def _beginning(path: FlightPath, count: int) -> FlightPath:
+    """The first samples of a path."""
+    return replace(
+        path,
+        airspeed=path.airspeed[:count],
+        path_angle=path.path_angle[:count],
+        track=path.track[:count],
+        bank=path.bank[:count],
+    )
+
+
+@lru_cache(maxsize=2)
+def _truth(
+    route: str, rate_hz: int, count: int, aircraft: Aircraft, air: Air, engine: str
+) -> Trajectory:
+    """A flight of the first ``count`` samples: seconds of work, so kept, its arrays read-only."""
+    path = _beginning(_path(route, rate_hz), count)
+    wind, turbulence = air.wind, air.turbulence
+    if engine == "jsbsim":
+        try:
+            trajectory = fly_jsbsim(path, wind, turbulence, air.epoch_year, air.seed)
+        except FlightError as error:
+            raise InputError(f"{route}: {error}") from None
+    else:
+        interval = 1 / rate_hz
+        time = interval * np.arange(count, dtype=np.float64)
+        mean_airspeed = float(np.mean(path.airspeed))
+        gusts = random_stream(air.seed, "turbulence")
+        trajectory = fly_path(
+            path,
+            wind.velocity_N(time, random_stream(air.seed, "wind")),
+            turbulence.gust_B(count, interval, mean_airspeed, gusts),
+            aircraft,
+            air.epoch_year,
+        )
+    for values in vars(trajectory).values():
+        if isinstance(values, np.ndarray):
+            values.setflags(write=False)
+    return trajectory
 
 
 def _toml_text(tables: Mapping[str, Any], prefix: str = "") -> str:

@@ -98,15 +98,44 @@ def fly_path(
     f_N[:, 2] -= gravity(lat, h)
 
     C_NB = C_NW @ _C_WB(path, h, _transposed_times(C_NW, f_N), aircraft)
-    q_NB = _continuous(q_NB_from_C_NB(C_NB))
+    q_NB = continuous_q_NB(C_NB)
     omega_NB_B = 2 * quaternion_product(quaternion_conjugate(q_NB), derivative(q_NB, interval))
-    roll, pitch, heading = euler_from_C_NB(C_NB)
+    return assemble(
+        path.rate_hz,
+        lat=lat,
+        lon=lon,
+        h=h,
+        v_N=v_N,
+        C_NB=C_NB,
+        q_NB=q_NB,
+        omega_B=omega_NB_B[:, 1:] + _transposed_times(C_NB, earth_rate + transport_rate),
+        f_B=_transposed_times(C_NB, f_N),
+        wind_N=wind_N + np.einsum("nij,nj->ni", C_NB, gust_B),
+        decimal_year=decimal_year,
+    )
 
-    v_air_B = _transposed_times(C_NB, v_N - wind_N) - gust_B
+
+def assemble(
+    rate_hz: int,
+    *,
+    lat: Array,
+    lon: Array,
+    h: Array,
+    v_N: Array,
+    C_NB: Array,
+    q_NB: Array,
+    omega_B: Array,
+    f_B: Array,
+    wind_N: Array,
+    decimal_year: float,
+) -> Trajectory:
+    """The trajectory of a motion: what follows from it by definition is added."""
+    roll, pitch, heading = euler_from_C_NB(C_NB)
+    v_air_B = _transposed_times(C_NB, v_N - wind_N)
     true_airspeed = np.linalg.norm(v_air_B, axis=-1)
     return Trajectory(
-        rate_hz=path.rate_hz,
-        time_us=np.round(np.arange(len(lat)) * (1e6 * interval)).astype(np.int64),
+        rate_hz=rate_hz,
+        time_us=np.round(np.arange(len(lat)) * (1e6 / rate_hz)).astype(np.int64),
         lat=lat,
         lon=lon,
         h=h,
@@ -116,9 +145,9 @@ def fly_path(
         heading=heading,
         q_NB=q_NB,
         C_NB=C_NB,
-        omega_B=omega_NB_B[:, 1:] + _transposed_times(C_NB, earth_rate + transport_rate),
-        f_B=_transposed_times(C_NB, f_N),
-        wind_N=wind_N + np.einsum("nij,nj->ni", C_NB, gust_B),
+        omega_B=omega_B,
+        f_B=f_B,
+        wind_N=wind_N,
         true_airspeed=true_airspeed,
         alpha=np.arctan2(v_air_B[:, 2], v_air_B[:, 0]),
         beta=np.arcsin(v_air_B[:, 1] / true_airspeed),
@@ -158,8 +187,9 @@ def _transposed_times(C: Array, v: Array) -> Array:
     return np.asarray(np.einsum("nji,nj->ni", C, v))
 
 
-def _continuous(q: Array) -> Array:
-    """The same rotations (n, 4) without jumps between q and -q."""
+def continuous_q_NB(C_NB: Array) -> Array:
+    """Quaternions (n, 4) of a motion's attitudes (n, 3, 3), without jumps between q and -q."""
+    q = q_NB_from_C_NB(C_NB)
     same_side = np.sum(q[1:] * q[:-1], axis=-1) >= 0
     sign = np.cumprod(np.concatenate([[1.0], np.where(same_side, 1.0, -1.0)]))
     return np.asarray(q * sign[:, None])

@@ -1,0 +1,179 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "lodestar/monitor/ins_monitor.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace lodestar::monitor {
+namespace {
+
+using samples::InsState;
+
+// Beyond this pitch the difference of two Euler headings says little of the heading.
+constexpr double kSteepest = 60.0 * math::kDegree;  // rad
+
+double seconds_between(std::int64_t earlier_us, std::int64_t later_us) {
+  return 1e-6 * static_cast<double>(later_us - earlier_us);
+}
+
+/// Takes vectors from N to axes along the heading of `C_NB`, to its right, and down.
+Eigen::Matrix3d level_axes(const Eigen::Matrix3d& C_NB) {
+  const double heading = std::atan2(C_NB(1, 0), C_NB(0, 0));
+  const double c = std::cos(heading), s = std::sin(heading);
+  Eigen::Matrix3d C_LN;
+  C_LN << c, s, 0.0, -s, c, 0.0, 0.0, 0.0, 1.0;
+  return C_LN;
+}
+
+bool repeats(const samples::InsSolution& a, const samples::InsSolution& b) {
+  return a.roll == b.roll && a.pitch == b.pitch && a.heading == b.heading;
+}
+
+}  // namespace
+
+InsMonitor::InsMonitor(const InsMonitorParameters& parameters, double timeout)
+    : parameters_(parameters), timeout_(timeout) {}
+
+void InsMonitor::propagate(const samples::Attitude& sahrs) {
+  now_us_ = sahrs.time_us;
+  if (sahrs.reset_count != sahrs_resets_) {  // another attitude: what was usual is so no more
+    sahrs_resets_ = sahrs.reset_count;
+    history_.clear();
+    restart();
+  }
+  if (sahrs.valid) {
+    history_.push(sahrs);
+  } else {
+    history_.clear();
+  }
+  if (state_.state == InsState::kNone) return;
+  if (seconds_between(heard_us_, now_us_) > timeout_) {
+    if (state_.state != InsState::kMiscompare) fail(trusted_);
+    stop();
+  } else if (seconds_between(compared_us_, now_us_) > timeout_) {
+    stop();
+  }
+}
+
+void InsMonitor::compare(const samples::InsSolution& ins) {
+  heard_us_ = now_us_;
+  const std::optional<StatedAttitude> sahrs = history_.at(ins.time_us);
+  if (!sahrs) return;
+  compared_us_ = now_us_;
+  set_difference(ins, *sahrs);
+  const double dt = compared_before_ ? seconds_between(last_ins_.time_us, ins.time_us) : 0.0;
+  time_axes(dt);
+  judge(frozen(ins, *sahrs), dt);
+  remember(ins, *sahrs);
+  last_ins_ = ins;
+  compared_before_ = true;
+}
+
+std::optional<TrustedHeading> InsMonitor::take_failure() {
+  const std::optional<TrustedHeading> failure = failure_;
+  failure_.reset();
+  return failure;
+}
+
+void InsMonitor::restart() {
+  compared_before_ = false;
+  state_.time_over.setZero();
+  distrust();
+}
+
+void InsMonitor::stop() {
+  state_ = {};
+  restart();
+}
+
+void InsMonitor::set_difference(const samples::InsSolution& ins, const StatedAttitude& sahrs) {
+  const Eigen::Quaterniond q_ins(math::C_NB_from_euler({ins.roll, ins.pitch, ins.heading}));
+  const Eigen::Matrix3d C_NB = sahrs.q_NB.toRotationMatrix();
+  const Eigen::Matrix3d C_LN = level_axes(C_NB);
+  const Eigen::Matrix3d C_LB = C_LN * C_NB;
+  state_.difference = C_LN * math::log_quaternion(q_ins * sahrs.q_NB.conjugate());
+  const Eigen::Vector3d ins_sigma(parameters_.level_sigma, parameters_.level_sigma,
+                                  parameters_.heading_sigma);
+  const Eigen::Vector3d variance =
+      (C_LB * sahrs.P_B * C_LB.transpose()).diagonal() + ins_sigma.cwiseAbs2();
+  if (!compared_before_) usual_ = state_.difference;
+  set_threshold(variance.cwiseSqrt());
+}
+
+void InsMonitor::set_threshold(const Eigen::Vector3d& sigma) {
+  const InsMonitorParameters& p = parameters_;
+  const Eigen::Vector3d least(p.level_least, p.level_least, p.heading_least);
+  const Eigen::Vector3d least_change(p.level_change, p.level_change, p.heading_change);
+  const Eigen::Vector3d stated = (p.sigmas * sigma).cwiseMax(least);
+  const Eigen::Vector3d change = (p.change_sigmas * sigma).cwiseMax(least_change);
+  for (int i = 0; i < 3; ++i) {
+    const double usual = std::copysign(1.0, state_.difference(i)) * usual_(i);
+    state_.threshold(i) = std::max(0.0, std::min(stated(i), usual + change(i)));
+  }
+}
+
+void InsMonitor::time_axes(double dt) {
+  for (int i = 0; i < 3; ++i) {
+    const double size = std::abs(state_.difference(i));
+    double& time_over = state_.time_over(i);
+    if (size > state_.threshold(i)) {
+      time_over += dt;
+    } else if (size <= parameters_.release * state_.threshold(i)) {
+      time_over = 0.0;
+    }
+    if (time_over > 0.0) continue;
+    usual_(i) += (state_.difference(i) - usual_(i)) * -std::expm1(-dt / parameters_.usual_tau);
+  }
+}
+
+bool InsMonitor::frozen(const samples::InsSolution& ins, const StatedAttitude& sahrs) {
+  if (!compared_before_ || !repeats(ins, last_ins_)) {
+    q_NB_of_change_ = sahrs.q_NB;
+    return false;
+  }
+  const Eigen::Vector3d turn = math::log_quaternion(q_NB_of_change_.conjugate() * sahrs.q_NB);
+  return turn.norm() > parameters_.frozen_turn;
+}
+
+void InsMonitor::judge(bool frozen, double dt) {
+  const bool over = state_.time_over.maxCoeff() > 0.0;
+  agreed_for_ = over || frozen ? 0.0 : agreed_for_ + dt;
+  const bool confirmed = over && state_.time_over.maxCoeff() >= parameters_.confirmation_time;
+  if (frozen || confirmed) {
+    if (state_.state != InsState::kMiscompare) fail(frozen ? trusted_ : trusted_before_);
+    state_.state = InsState::kMiscompare;
+  } else if (state_.state != InsState::kMiscompare || agreed_for_ >= parameters_.release_time) {
+    state_.state = over ? InsState::kSuspect : InsState::kAgree;
+  }
+}
+
+void InsMonitor::fail(const std::optional<TrustedHeading>& last) {
+  failure_ = last;
+  distrust();
+}
+
+/// What the heading of the INS says of that of SAHRS, in case there is no INS soon.
+void InsMonitor::remember(const samples::InsSolution& ins, const StatedAttitude& sahrs) {
+  const math::Euler attitude = math::euler_from_C_NB(sahrs.q_NB.toRotationMatrix());
+  if (state_.state != InsState::kAgree || agreed_for_ < parameters_.release_time ||
+      std::abs(attitude.pitch) > kSteepest || repeats(ins, last_ins_)) {
+    return;
+  }
+  trusted_ = TrustedHeading{ins.time_us, math::wrap_pi(ins.heading - attitude.heading),
+                            parameters_.heading_sigma};
+  if (!trusted_next_) {
+    trusted_next_ = trusted_;
+  } else if (seconds_between(trusted_next_->time_us, ins.time_us) >= parameters_.doubt_time) {
+    trusted_before_ = trusted_next_;
+    trusted_next_ = trusted_;
+  }
+}
+
+void InsMonitor::distrust() {
+  trusted_.reset();
+  trusted_before_.reset();
+  trusted_next_.reset();
+  agreed_for_ = 0.0;
+}
+
+}  // namespace lodestar::monitor

@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+
+#include "lodestar/earth/cached_field.h"
+#include "lodestar/sahrs/paper_sahrs.h"
+#include "lodestar/sahrs/parameters.h"
+#include "lodestar/sahrs/steady_alignment.h"
+#include "lodestar/samples/outputs.h"
+#include "lodestar/samples/samples.h"
+#include "lodestar/samples/use.h"
+#include "lodestar/strapdown/parameters.h"
+#include "lodestar/strapdown/velocity_filter.h"
+
+namespace lodestar::sahrs {
+
+/// Synthetic attitude and heading reference in its velocity-aided form: the velocity relative to
+/// the air is a state, so that no measurement takes steady flight for granted, and every attitude
+/// is alike. Same interface and same conditions on its samples as PaperSahrs.
+class VelocitySahrs {
+ public:
+  /// Measurements, in the order of the bits of Attitude::used and of `innovation`.
+  static constexpr int kRows = strapdown::VelocityFilter::kRows;
+  using Rows = strapdown::VelocityFilter::Rows;  // nT x3 in B, m/s, rad x2, m
+
+  /// Of `parameters` only the limits of alignment and validity count: max_imbalance, max_valid_*.
+  VelocitySahrs(const Parameters& parameters, const strapdown::Parameters& filter_parameters,
+                const FieldCalibration& calibration, earth::GeomagneticKind field_model,
+                double epoch_year);
+
+  /// Where the aircraft is: latitude, longitude (rad), height (m). For the field model, gravity and
+  /// the Earth's rotation only; a few kilometres do not matter.
+  void set_position(double lat, double lon, double h);
+
+  /// The attitude at `time_us`, known from elsewhere to `sigma_B` (rad, about the body axes), in
+  /// place of the alignment by vector measurements.
+  void start(const math::Euler& attitude, const Eigen::Vector3d& sigma_B, std::int64_t time_us);
+
+  /// One frame. A gap since the last one is bridged, with the covariance grown, up to 0.5 s; a
+  /// longer one is followed by a new alignment.
+  void propagate(const samples::BodyRates& sample);
+
+  samples::Use update(const samples::LoadFactor& sample);
+  samples::Use update(const samples::MagneticField& sample);
+  samples::Use update(const samples::AirData& sample);
+
+  /// Brings `attitude` up to date, after the last update of a frame.
+  void finish_frame();
+  const samples::Attitude& attitude() const { return attitude_; }
+
+  /// Latest innovations, measured minus predicted, and their standard deviations; 0 before the
+  /// first.
+  const Rows& innovation() const { return filter_.innovation(); }
+  const Rows& innovation_sigma() const { return filter_.innovation_sigma(); }
+  /// How often each assumption kept a measurement out. Only that of a least airspeed is made, by
+  /// the air data, and that of balance, by the alignment.
+  const std::array<std::int64_t, kAssumptions>& assumption_rejects() const {
+    return assumption_rejects_;
+  }
+  const strapdown::VelocityFilter& filter() const { return filter_; }
+
+ private:
+  enum class State { kWaiting, kRunning, kRealigning };
+
+  void try_alignment();
+  void align_to(const Eigen::Matrix3d& C_NB, const Eigen::Vector3d& sigma_B);
+  void begin(const Eigen::Matrix3d& C_NB, const Eigen::Vector3d& sigma_B, std::int64_t time_us);
+  void refine_alignment();
+  void note(samples::Use use, std::int64_t time_us);
+  samples::AttitudeMode mode(bool certain) const;
+
+  Parameters parameters_;
+  FieldCalibration calibration_;
+  double epoch_year_;
+  earth::CachedField field_model_;
+  strapdown::VelocityFilter filter_;
+  Eigen::Vector3d b_N_ = Eigen::Vector3d::Zero();
+  double gravity_ = samples::kStandardGravity;
+
+  State state_ = State::kWaiting;
+  std::int64_t now_us_ = 0;
+  std::int64_t last_used_us_ = 0;
+  bool coarse_ = false;  // the alignment is still being refined
+  std::int64_t started_us_ = 0;
+  SteadyAlignment steady_;
+  bool waiting_for_steady_ = false;
+  std::int64_t waiting_us_ = 0;
+  // The latest of each channel, for the alignment.
+  bool have_rates_ = false;
+  bool have_load_ = false;
+  bool have_field_ = false;
+  bool have_air_ = false;
+  Eigen::Vector3d omega_B_ = Eigen::Vector3d::Zero();
+  samples::LoadFactor load_;
+  samples::MagneticField field_;  // calibrated
+  samples::AirData air_;
+
+  samples::Attitude attitude_;
+  std::array<std::int64_t, kAssumptions> assumption_rejects_{};
+};
+
+}  // namespace lodestar::sahrs

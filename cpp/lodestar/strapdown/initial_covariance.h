@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "lodestar/strapdown/parameters.h"
+#include "lodestar/strapdown/state.h"
+
+namespace lodestar::strapdown {
+
+/// What is known of the sensors before the flight. Of attitude nothing is; velocity and height
+/// start with the first air data.
+inline Covariance initial_covariance(const Parameters& p) {
+  StateVector sigma = StateVector::Zero();
+  part<3>(sigma, kAttitude).setConstant(math::kPi);
+  part<3>(sigma, kForceBias).setConstant(p.load_bias_sigma * samples::kStandardGravity);
+  for (int j = 0; j < 3; ++j) {
+    for (int i = 0; i < 3; ++i) {
+      sigma(kGyroMatrix.offset + 3 * j + i) =
+          i == j ? p.gyro_scale_sigma : p.gyro_misalignment_sigma;
+    }
+  }
+  part<3>(sigma, kGyroBias).setConstant(std::hypot(p.gyro_bias_sigma, p.gyro_drift.sigma));
+  part<3>(sigma, kFieldDrift).setConstant(p.field_drift.sigma);
+  part<3>(sigma, kGust).setConstant(p.gust_sigma);
+  part<3>(sigma, kFieldBias).setConstant(p.field_bias_sigma);
+  part<9>(sigma, kFieldMatrix).setConstant(p.field_matrix_sigma);
+  sigma(kAirspeedScale.offset) = p.airspeed_scale_sigma;
+  sigma(kAirspeedBias.offset) = p.airspeed_bias_sigma;
+  part<2>(sigma, kFlowBias).setConstant(p.flow_bias_sigma);
+  part<2>(sigma, kFlowScale).setConstant(p.flow_scale_sigma);
+  return sigma.cwiseAbs2().asDiagonal();
+}
+
+/// Forgets what was known of some states, and their correlation with all others.
+inline void forget(Covariance& P, math::Block block) {
+  P.block(block.offset, 0, block.size, math::end(block)).setZero();
+  P.block(block.offset, block.offset, kStates - block.offset, block.size).setZero();
+}
+
+/// The attitude is known anew, to `P_N` (rad^2 in N).
+inline void restart_attitude(Covariance& P, const Eigen::Matrix3d& P_N) {
+  forget(P, kAttitude);
+  P.block<3, 3>(kAttitude.offset, kAttitude.offset) = P_N;
+}
+
+/// Velocity, heights and gust are known anew, as well as one sample of air data at airspeed `V`
+/// (m/s) tells them, but for the sensor's own errors: wide, the next samples make it narrow.
+inline void restart_velocity(Covariance& P, const Parameters& p, double gust_sigma, double V) {
+  constexpr double kWide = 3.0;
+  const double angle_sigma = std::hypot(p.flow_bias_sigma, p.flow_noise);
+  const double velocity_sigma =
+      kWide * std::max({p.airspeed_bias_sigma + p.airspeed_scale_sigma * V + p.airspeed_noise,
+                        angle_sigma * V, gust_sigma});
+  const double lag_sigma = 0.1 * V * p.baro_lag;  // of height against the lagging one
+  for (const math::Block block : {kVelocity, kHeight, kBaroHeight, kGust}) forget(P, block);
+  auto diagonal = P.diagonal();
+  part<3>(diagonal, kVelocity).setConstant(velocity_sigma * velocity_sigma);
+  diagonal(kHeight.offset) = p.baro_noise * p.baro_noise + lag_sigma * lag_sigma;
+  diagonal(kBaroHeight.offset) = p.baro_noise * p.baro_noise;
+  part<3>(diagonal, kGust).setConstant(gust_sigma * gust_sigma);
+}
+
+}  // namespace lodestar::strapdown

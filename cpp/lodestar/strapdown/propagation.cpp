@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "lodestar/strapdown/propagation.h"
+
+#include <cmath>
+
+#include "lodestar/strapdown/sparse_update.h"
+
+namespace lodestar::strapdown {
+namespace {
+
+constexpr int kMoving = kMotion.size;
+constexpr int kDriving = math::end(kGyroBias);  // the motion depends on the states before this
+static_assert(kMotion.offset == 0);
+static_assert(kVelocity.offset == 3 && kHeight.offset == 6 && kBaroHeight.offset == 7);
+
+double baro_decay(double dt, double lag) { return lag > 0.0 ? std::exp(-dt / lag) : 0.0; }
+
+/// Phi over one frame, as it acts on the motion states.
+class Transition {
+ public:
+  Transition(const Step& step, const Place& place)
+      : step_(step),
+        turn_(Eigen::Matrix3d::Identity() -
+              step.dt * math::skew(place.earth_rate_N + place.transport_rate_N)),
+        velocity_cross_(math::skew(step.air_velocity_N)),
+        tilt_(step.dt * (math::skew(Eigen::Vector3d(0.0, 0.0, place.gravity)) +
+                         velocity_cross_ * math::skew(place.earth_rate_N))),
+        coriolis_(Eigen::Matrix3d::Identity() -
+                  step.dt * math::skew(2.0 * place.earth_rate_N + place.transport_rate_N)),
+        decay_(baro_decay(step.dt, place.baro_lag)) {}
+
+  /// Columns of Y are states, as far as the motion depends on them: the motion columns of Y Phi'.
+  template <int Rows>
+  Eigen::Matrix<double, Rows, kMoving> apply(const Eigen::Matrix<double, Rows, kDriving>& Y) const {
+    using Columns = Eigen::Matrix<double, Rows, 3>;
+    using Column = Eigen::Matrix<double, Rows, 1>;
+    const double dt = step_.dt;
+    Columns rate_error = Y.template middleCols<3>(kGyroBias.offset);
+    for (int j = 0; j < 3; ++j) {
+      rate_error += step_.omega_B(j) * Y.template middleCols<3>(kGyroMatrix.offset + 3 * j);
+    }
+    const Eigen::Matrix3d Ct = -dt * step_.C_NB.transpose();
+    const Columns turned = rate_error.lazyProduct(Ct);
+    const auto phi = Y.template middleCols<3>(kAttitude.offset);
+    const auto velocity = Y.template middleCols<3>(kVelocity.offset);
+    const Columns phi_middle = phi + 0.5 * turned;
+
+    Eigen::Matrix<double, Rows, kMoving> out;
+    out.template middleCols<3>(kAttitude.offset) = phi.lazyProduct(turn_.transpose()) + turned;
+    auto velocity_out = out.template middleCols<3>(kVelocity.offset);
+    velocity_out = velocity.lazyProduct(coriolis_.transpose()) +
+                   phi_middle.lazyProduct(tilt_.transpose()) +
+                   turned.lazyProduct(velocity_cross_.transpose()) +
+                   Y.template middleCols<3>(kForceBias.offset).lazyProduct(Ct);
+    const Column height = Y.col(kHeight.offset);
+    const Column climbed = phi_middle.lazyProduct((dt * velocity_cross_.row(2)).transpose()) -
+                           (0.5 * dt) * (velocity.col(2) + velocity_out.col(2));
+    out.col(kHeight.offset) = height + climbed;
+    out.col(kBaroHeight.offset) =
+        decay_ * Y.col(kBaroHeight.offset) + (1.0 - decay_) * (height + 0.5 * climbed);
+    return out;
+  }
+
+ private:
+  const Step& step_;
+  Eigen::Matrix3d turn_;
+  Eigen::Matrix3d velocity_cross_;
+  Eigen::Matrix3d tilt_;
+  Eigen::Matrix3d coriolis_;
+  double decay_;
+};
+
+void decay(Covariance& P, math::Block block, double factor) {
+  if (factor == 1.0) return;
+  for (int i = block.offset; i < math::end(block); ++i) {
+    P.col(i).tail(kStates - i) *= factor;
+    P.row(i).head(i + 1) *= factor;
+  }
+}
+
+void add_noise(Covariance& P, const Step& step, const ProcessNoise& noise) {
+  const double dt = step.dt;
+  const Eigen::Matrix3d velocity_cross = math::skew(step.air_velocity_N);
+  const Eigen::Matrix3d coupled = (noise.gyro * dt) * velocity_cross;
+  auto diagonal = P.diagonal();
+  part<3>(diagonal, kAttitude).array() += noise.gyro * dt;
+  P.block<3, 3>(kVelocity.offset, kAttitude.offset) += coupled;
+  P.block<3, 3>(kVelocity.offset, kVelocity.offset) += coupled * velocity_cross.transpose();
+  part<3>(diagonal, kVelocity) +=
+      dt * Eigen::Vector3d(noise.force + noise.wind, noise.force + noise.wind,
+                           noise.force + noise.vertical_wind);
+  diagonal(kHeight.offset) += noise.height * dt;
+  part<3>(diagonal, kGyroBias).array() += noise.gyro_bias * dt;
+  part<3>(diagonal, kFieldDrift).array() += noise.field_drift_variance;
+  part<3>(diagonal, kGust) += noise.gust_variance;
+}
+
+}  // namespace
+
+Step move(Estimate& x, const Eigen::Vector3d& omega_B, const Eigen::Vector3d& force_B,
+          const Place& place, double dt) {
+  const Eigen::Matrix3d C_before = x.C_NB;
+  const Eigen::Vector3d v_before = x.air_velocity_N;
+  const Eigen::Vector3d omega_IB_B = omega_B - x.gyro_matrix * omega_B - x.gyro_bias_B;
+  const Eigen::Vector3d omega_IN_N = place.earth_rate_N + place.transport_rate_N;
+  x.q_NB = (math::exp_quaternion(-dt * omega_IN_N) * x.q_NB * math::exp_quaternion(dt * omega_IB_B))
+               .normalized();
+  x.C_NB = x.q_NB.toRotationMatrix();
+
+  Step step;
+  step.dt = dt;
+  step.omega_B = omega_B;
+  step.C_NB = 0.5 * (C_before + x.C_NB);
+  const Eigen::Vector3d coriolis_rate = 2.0 * place.earth_rate_N + place.transport_rate_N;
+  const Eigen::Vector3d acceleration_N = step.C_NB * (force_B - x.force_bias_B) +
+                                         Eigen::Vector3d(0.0, 0.0, place.gravity) -
+                                         coriolis_rate.cross(v_before);
+  x.air_velocity_N += dt * acceleration_N;
+  step.air_velocity_N = 0.5 * (v_before + x.air_velocity_N);
+
+  const double climbed = -dt * step.air_velocity_N.z();
+  const double a = baro_decay(dt, place.baro_lag);
+  x.baro_height = a * x.baro_height + (1.0 - a) * (x.height + 0.5 * climbed);
+  x.height += climbed;
+  return step;
+}
+
+void propagate(Covariance& P, const Step& step, const Place& place, const ProcessNoise& noise) {
+  const Transition transition(step, place);
+  const Eigen::Matrix<double, kStates, kMoving> columns =
+      transition.apply<kStates>(symmetric_columns<kDriving>(P, 0));
+  const Eigen::Matrix<double, kMoving, kDriving> rows = columns.topRows<kDriving>().transpose();
+  P.leftCols<kMoving>() = columns;
+  P.topLeftCorner<kMoving, kMoving>() = transition.apply<kMoving>(rows).transpose();
+  decay(P, kFieldDrift, noise.field_drift_decay);
+  decay(P, kGust, noise.gust_decay);
+  add_noise(P, step, noise);
+}
+
+void propagate_error(StateVector& x, const Step& step, const Place& place,
+                     const ProcessNoise& noise) {
+  const Eigen::Matrix<double, 1, kDriving> row = x.head<kDriving>().transpose();
+  x.head<kMoving>() = Transition(step, place).apply<1>(row).transpose();
+  part<3>(x, kFieldDrift) *= noise.field_drift_decay;
+  part<3>(x, kGust) *= noise.gust_decay;
+}
+
+void turn_sensor_errors(Covariance& P, const Eigen::Matrix3d& R_B) {
+  for (const math::Block block : {kForceBias, kGyroBias, kFieldDrift, kFieldBias}) {
+    Eigen::Matrix<double, kStates, 3> columns = symmetric_columns<3>(P, block.offset);
+    columns = (columns * R_B.transpose()).eval();
+    columns.middleRows<3>(block.offset) = (R_B * columns.middleRows<3>(block.offset)).eval();
+    for (int j = 0; j < 3; ++j) {
+      const int c = block.offset + j;
+      P.col(c).tail(kStates - c) = columns.col(j).tail(kStates - c);
+      P.row(c).head(c) = columns.col(j).head(c).transpose();
+    }
+  }
+}
+
+}  // namespace lodestar::strapdown

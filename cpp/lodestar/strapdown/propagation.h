@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+
+#include "lodestar/strapdown/state.h"
+
+namespace lodestar::strapdown {
+
+/// What the motion of one frame rests on besides the gyros and the load factor.
+struct Place {
+  double gravity = 9.81;                                       // m/s^2
+  Eigen::Vector3d earth_rate_N = Eigen::Vector3d::Zero();      // rad/s
+  Eigen::Vector3d transport_rate_N = Eigen::Vector3d::Zero();  // rad/s
+  double baro_lag = 0.0;                                       // s
+};
+
+/// One frame: the trapezoid's middle, about which the error equations are written.
+struct Step {
+  double dt = 0.0;                                           // s
+  Eigen::Vector3d omega_B = Eigen::Vector3d::Zero();         // rad/s, measured, mean of the frame
+  Eigen::Matrix3d C_NB = Eigen::Matrix3d::Identity();        // mean of both ends
+  Eigen::Vector3d air_velocity_N = Eigen::Vector3d::Zero();  // m/s, mean of both ends
+};
+
+/// Spectral densities of what drives the errors.
+struct ProcessNoise {
+  double gyro = 0.0;           // (rad/s)^2/Hz
+  double force = 0.0;          // (m/s^2)^2/Hz, of the load factor
+  double wind = 0.0;           // (m/s^2)^2/Hz, horizontal, of the wind's change
+  double vertical_wind = 0.0;  // (m/s^2)^2/Hz
+  double height = 0.0;         // (m/s)^2/Hz, of the baro's scale and the vertical wind
+  double gyro_bias = 0.0;      // (rad/s^2)^2/Hz
+  // Gauss-Markov states: decay over the frame and variance added in it.
+  double field_drift_decay = 1.0;
+  double field_drift_variance = 0.0;  // nT^2
+  double gust_decay = 1.0;
+  Eigen::Vector3d gust_variance = Eigen::Vector3d::Zero();  // (m/s)^2
+};
+
+/// Moves attitude, air velocity and heights over a frame at measured rates `omega_B` (rad/s, mean)
+/// and specific force `force_B` (m/s^2, mean, not yet corrected for its bias):
+///     C_NB' = C_NB [omega_NB x],   v' = C_NB f + g - (2 omega_IE + omega_EN) x v
+///     h' = -v_down,   baro' = (h - baro) / lag
+/// v is the velocity relative to the air, so that the wind's own Coriolis acceleration (0.001 m/s^2
+/// in 10 m/s) is left out. The rotation is the exact exponential of the mean rate.
+Step move(Estimate& x, const Eigen::Vector3d& omega_B, const Eigen::Vector3d& force_B,
+          const Place& place, double dt);
+
+/// P <- Phi P Phi' + Q over `step`. Phi is that of the error equations (to first order in the
+/// errors)
+///     phi' = C w - omega_IN x phi,    w = -gyro_bias - gyro_matrix omega_B - noise
+///     dv'  = [g x] phi + v x (omega_IE x phi) + v x (C w) - (2 omega_IE + omega_EN) x dv
+///            - C force_bias - noise
+///     dh'  = -dv_down + (v x phi)_down,    dbaro' = (dh - dbaro) / lag
+/// to second order in dt. Only the eight motion states and the Gauss-Markov states have rows of
+/// their own, so P is moved by columns, never by an N x N product.
+void propagate(Covariance& P, const Step& step, const Place& place, const ProcessNoise& noise);
+
+/// x <- Phi x with the same Phi.
+void propagate_error(StateVector& x, const Step& step, const Place& place,
+                     const ProcessNoise& noise);
+
+/// The vectors of the sensors' errors (biases of force, gyros and field, drift of the field) are
+/// kept in B, but what was learnt of them was learnt in N, together with the attitude: when this is
+/// corrected their covariance turns, in B, the opposite way. `R_B`: from B as it was to B as it is.
+/// Without it the filter takes its own corrections for turns of the aircraft, in which the hard
+/// iron would show (Barrau and Bonnabel, The geometry of navigation problems, 2022).
+void turn_sensor_errors(Covariance& P, const Eigen::Matrix3d& R_B);
+
+}  // namespace lodestar::strapdown

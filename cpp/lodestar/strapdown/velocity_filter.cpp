@@ -1,0 +1,358 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "lodestar/strapdown/velocity_filter.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "lodestar/earth/wgs84.h"
+#include "lodestar/strapdown/air_data_aid.h"
+#include "lodestar/strapdown/initial_covariance.h"
+#include "lodestar/strapdown/magnetic_aid.h"
+#include "lodestar/strapdown/sparse_update.h"
+
+namespace lodestar::strapdown {
+namespace {
+
+constexpr double kMicrosecond = 1e-6;        // s
+constexpr std::int64_t kFresh_us = 200'000;  // a load factor this old still holds
+constexpr double kUnknownForce = 3.0;        // m/s^2/sqrt(Hz), where none is measured
+constexpr double kNearestPole = 1e-3;        // cos(latitude), for the transport rate
+
+constexpr double kLeastTurn = 1e-3;  // rad; a smaller turn of P is put off
+
+constexpr double kFoldError = 0.5;  // of a fold-in by degrees, what second-order terms make of it
+
+double seconds(std::int64_t later_us, std::int64_t earlier_us) {
+  return kMicrosecond * static_cast<double>(later_us - earlier_us);
+}
+
+double square(double x) { return x * x; }
+
+}  // namespace
+
+VelocityFilter::VelocityFilter(const Parameters& parameters)
+    : parameters_(parameters),
+      gate_(parameters.gate_false_rejection),
+      P_(initial_covariance(parameters)),
+      gust_level_(parameters.gust_sigma, parameters.gust_sigma_min, parameters.gust_sigma_max,
+                  parameters.gust_adaptation) {
+  place_.baro_lag = parameters.baro_lag;
+}
+
+void VelocityFilter::set_place(double lat, double h, const Eigen::Vector3d& b_N) {
+  lat_ = lat;
+  h_ = h;
+  b_N_ = b_N;
+  place_.gravity = earth::gravity(lat, h);
+  place_.earth_rate_N = earth::earth_rate_N(lat);
+}
+
+void VelocityFilter::start(const Eigen::Matrix3d& C_NB, const Eigen::Vector3d& sigma_B,
+                           std::int64_t time_us) {
+  x_.C_NB = C_NB;
+  x_.q_NB = Eigen::Quaterniond(C_NB).normalized();
+  restart_attitude(P_, C_NB * sigma_B.cwiseAbs2().asDiagonal() * C_NB.transpose());
+  has_velocity_ = false;
+  have_load_ = false;
+  now_us_ = time_us;
+  held_ = false;
+  forget_history();
+}
+
+void VelocityFilter::hold_linearisation() {
+  held_ = true;
+  offset_.setZero();
+}
+
+void VelocityFilter::release_linearisation() {
+  if (!held_) return;
+  held_ = false;
+  const Eigen::Vector3d moved = part<3>(offset_, kAttitude);
+  P_.block<3, 3>(kAttitude.offset, kAttitude.offset) +=
+      square(kFoldError) * moved * moved.transpose();
+  fold_in(offset_);
+  offset_.setZero();
+}
+
+void VelocityFilter::start_again(const Eigen::Vector3d& sigma_B) {
+  release_linearisation();
+  const Estimate best = x_;
+  x_ = Estimate{};
+  x_.q_NB = best.q_NB;
+  x_.C_NB = best.C_NB;
+  x_.air_velocity_N = best.air_velocity_N;
+  x_.height = best.height;
+  x_.baro_height = best.baro_height;
+  P_ = initial_covariance(parameters_);
+  restart_attitude(P_, x_.C_NB * sigma_B.cwiseAbs2().asDiagonal() * x_.C_NB.transpose());
+  restart_velocity(P_, parameters_, gust_level_.sigma(), x_.air_velocity_N.norm());
+  forget_history();
+}
+
+void VelocityFilter::settle() {
+  StateVector rest = offset_;
+  part<3>(rest, kAttitude).setZero();
+  part<3>(rest, kVelocity) = turn_of(part<3>(offset_, kAttitude)).conjugate() *
+                             Eigen::Vector3d(part<3>(offset_, kVelocity));
+  x_.correct(rest);
+  corrections_.add(rest);
+  offset_.tail<kStates - kAttitude.size>().setZero();
+}
+
+void VelocityFilter::fold_in(const StateVector& correction) {
+  x_.correct(correction);
+  corrections_.add(correction);
+  unturned_N_ += part<3>(correction, kAttitude);
+  if (unturned_N_.squaredNorm() > kLeastTurn * kLeastTurn) {
+    turn_sensor_errors(P_, math::exp_so3(-(x_.C_NB.transpose() * unturned_N_)));
+    unturned_N_.setZero();
+  }
+}
+
+Estimate VelocityFilter::estimate() const {
+  Estimate best = x_;
+  if (held_) best.correct(offset_);
+  return best;
+}
+
+void VelocityFilter::forget_history() {
+  corrections_ = Corrections{};
+  history_.clear();
+  remember(force_B_, 0.0);
+}
+
+void VelocityFilter::propagate(const samples::BodyRates& sample, double extra_angle_variance) {
+  used_ = 0;
+  rejected_ = 0;
+  const double dt = seconds(sample.time_us, now_us_);
+  const Eigen::Vector3d mean_omega_B =
+      have_rates_ ? 0.5 * (measured_omega_B_ + sample.omega_B) : sample.omega_B;
+  have_rates_ = true;
+  measured_omega_B_ = sample.omega_B;
+  now_us_ = sample.time_us;
+  if (!(dt > 0.0)) return;
+
+  ProcessNoise noise = process_noise(dt);
+  const Eigen::Vector3d force_B = force_to_use(noise.force);
+  const Step step = move(x_, mean_omega_B, force_B, place_, dt);
+  x_.field_drift_B *= noise.field_drift_decay;
+  x_.gust_B *= noise.gust_decay;
+  strapdown::propagate(P_, step, place_, noise);
+  if (held_) {
+    propagate_error(offset_, step, place_, noise);
+    settle();
+  }
+  if (extra_angle_variance > 0.0) {
+    P_.diagonal().segment<3>(kAttitude.offset).array() += extra_angle_variance;
+  }
+  impulse_N_ += dt * (step.C_NB * force_B);
+  remember(force_B, dt);
+}
+
+ProcessNoise VelocityFilter::process_noise(double dt) const {
+  const Parameters& p = parameters_;
+  ProcessNoise noise;
+  noise.gyro = square(p.gyro_noise);
+  noise.force = square(p.load_noise * samples::kStandardGravity);
+  noise.wind = square(p.wind_walk);
+  noise.vertical_wind = square(p.vertical_wind_walk);
+  noise.height = square(p.height_walk);
+  noise.gyro_bias = p.gyro_drift.spectral_density();
+  noise.field_drift_decay = p.field_drift.decay(dt);
+  noise.field_drift_variance = p.field_drift.added_variance(dt);
+  const double airspeed = std::max(x_.air_velocity_N.norm(), p.min_airspeed);
+  const math::GaussMarkov gust{gust_level_.sigma(), p.gust_length / airspeed};
+  noise.gust_decay = gust.decay(dt);
+  noise.gust_variance.setConstant(gust.added_variance(dt));
+  return noise;
+}
+
+/// Without a fresh load factor the air velocity is taken to stay as it is in B.
+Eigen::Vector3d VelocityFilter::force_to_use(double& density) const {
+  if (have_load_ && now_us_ - load_us_ <= kFresh_us) return force_B_;
+  density = square(kUnknownForce);
+  const Eigen::Vector3d weight_B = place_.gravity * x_.C_NB.row(2).transpose();
+  return corrected(measured_omega_B_).cross(x_.C_NB.transpose() * x_.air_velocity_N) - weight_B +
+         x_.force_bias_B;
+}
+
+void VelocityFilter::remember(const Eigen::Vector3d& force_B, double dt) {
+  const Moment* last = history_.before(now_us_);
+  const double rate = dt > 0.0 ? 1.0 / dt : 0.0;
+  const double baro_change = last != nullptr ? x_.baro_height - last->baro_height : 0.0;
+  Moment& moment = history_.push();
+  moment.time_us = now_us_;
+  moment.q_NB = x_.q_NB;
+  moment.air_velocity_N = x_.air_velocity_N;
+  moment.height = x_.height;
+  moment.baro_height = x_.baro_height;
+  moment.impulse_N = impulse_N_;
+  moment.omega_NB_B = corrected(measured_omega_B_) -
+                      x_.C_NB.transpose() * (place_.earth_rate_N + place_.transport_rate_N);
+  moment.force_N = x_.C_NB * force_B;
+  moment.acceleration_N =
+      moment.force_N - x_.C_NB * x_.force_bias_B + Eigen::Vector3d(0.0, 0.0, place_.gravity);
+  moment.baro_rate = rate * baro_change;
+  moment.corrections = corrections_;
+}
+
+bool VelocityFilter::locate(std::int64_t time_us, Moment& moment) const {
+  const Moment* found = history_.before(time_us);
+  if (found == nullptr) return false;
+  moment = *found;
+  if (time_us != moment.time_us) moment.extrapolate(seconds(time_us, moment.time_us));
+  moment.time_us = time_us;
+  moment.bring_up(corrections_, seconds(now_us_, time_us), place_.gravity);
+  return true;
+}
+
+Estimate VelocityFilter::estimate_at(const Moment& moment) const {
+  Estimate then = x_;
+  then.q_NB = moment.q_NB;
+  then.C_NB = moment.q_NB.toRotationMatrix();
+  then.air_velocity_N = moment.air_velocity_N;
+  then.height = moment.height;
+  then.baro_height = moment.baro_height;
+  return then;
+}
+
+Delay VelocityFilter::delay_of(const Moment& moment) const {
+  Delay delay;
+  delay.age = seconds(now_us_, moment.time_us);
+  delay.gravity = place_.gravity;
+  const Eigen::Matrix3d C_then = moment.q_NB.toRotationMatrix();
+  delay.C_NB = 0.5 * (C_then + x_.C_NB);
+  delay.omega_B =
+      math::log_quaternion(moment.q_NB.conjugate() * x_.q_NB) / std::max(delay.age, 1e-3);
+  delay.air_velocity_N = moment.air_velocity_N;
+  return delay;
+}
+
+samples::Use VelocityFilter::update(const samples::LoadFactor& sample) {
+  const Eigen::Vector3d force_B = -samples::kStandardGravity * sample.n_B;
+  Eigen::Vector3d force_N = x_.C_NB * force_B;
+  Eigen::Vector3d impulse_N = impulse_N_;
+  if (sample.time_us != now_us_) {
+    Moment moment;
+    if (!locate(sample.time_us, moment)) return samples::Use::kHeld;
+    force_N = moment.q_NB * force_B;
+    impulse_N = moment.impulse_N;
+  }
+  const double dt = seconds(sample.time_us, load_us_);
+  if (have_load_ && dt > 0.0 && sample.time_us - load_us_ <= kFresh_us) {
+    // The trapezoid since the last sample, in place of what was held over that time.
+    const Eigen::Vector3d missed_N =
+        (0.5 * dt) * (force_N_ + force_N) - (impulse_N - impulse_at_load_N_);
+    x_.air_velocity_N += missed_N;
+    const double down = missed_N.z() * 0.5 * dt;
+    x_.height -= down;
+  }
+  have_load_ = true;
+  load_us_ = sample.time_us;
+  force_B_ = force_B;
+  force_N_ = force_N;
+  impulse_at_load_N_ = impulse_N;
+  return samples::Use::kUsed;
+}
+
+samples::Use VelocityFilter::update(const samples::MagneticField& sample) {
+  if (sample.time_us == now_us_) {
+    return correct(measure_field(sample.b_B, x_, b_N_, parameters_.field_noise), kFieldX, true);
+  }
+  Moment moment;
+  if (!locate(sample.time_us, moment)) return samples::Use::kHeld;
+  const MagneticMeasurement then =
+      measure_field(sample.b_B, estimate_at(moment), b_N_, parameters_.field_noise);
+  return correct(Delayed<MagneticMeasurement>(then, delay_of(moment)), kFieldX, true);
+}
+
+samples::Use VelocityFilter::update(const samples::AirData& sample) {
+  if (!(sample.true_airspeed >= parameters_.min_airspeed)) return samples::Use::kAssumption;
+  if (!has_velocity_) {
+    start_velocity(sample);
+    return samples::Use::kUsed;
+  }
+  const AirDataNoise noise{parameters_.airspeed_noise, parameters_.flow_noise,
+                           parameters_.baro_noise};
+  samples::Use use = samples::Use::kHeld;
+  if (sample.time_us == now_us_) {
+    use = correct(measure_air(sample, x_, noise), kAirspeed, false);
+  } else {
+    Moment moment;
+    if (!locate(sample.time_us, moment)) return use;
+    const AirDataMeasurement then = measure_air(sample, estimate_at(moment), noise);
+    use = correct(Delayed<AirDataMeasurement>(then, delay_of(moment)), kAirspeed, false);
+  }
+  learn_gust_level(seconds(sample.time_us, air_us_));
+  air_us_ = sample.time_us;
+  if (std::cos(lat_) > kNearestPole) {
+    place_.transport_rate_N = earth::transport_rate_N(lat_, h_, x_.air_velocity_N);
+  }
+  return use;
+}
+
+/// One sensor alone that is far off is taken for a fault of that sensor, several for a gust.
+void VelocityFilter::learn_gust_level(double dt) {
+  constexpr double kLongest = 0.1;  // s
+  constexpr std::array<Row, 3> kFlow = {kAirspeed, kAlpha, kBeta};
+  int gated = 0;
+  for (const Row row : kFlow) gated += rejected_ >> row & 1;
+  double sum = 0.0;
+  int count = 0;
+  for (const Row row : kFlow) {
+    if (gated == 1 && (rejected_ >> row & 1) != 0) continue;
+    sum += square(innovation_[row] / innovation_sigma_[row]);
+    ++count;
+  }
+  gust_level_.learn(sum / count, std::clamp(dt, 0.0, kLongest));
+}
+
+void VelocityFilter::start_velocity(const samples::AirData& sample) {
+  x_.air_velocity_N = x_.C_NB * air_velocity_B(sample);
+  x_.gust_B.setZero();
+  x_.height = sample.baro_altitude;
+  x_.baro_height = sample.baro_altitude;
+  restart_velocity(P_, parameters_, gust_level_.sigma(), sample.true_airspeed);
+  air_us_ = sample.time_us;
+  has_velocity_ = true;
+  forget_history();
+}
+
+template <class Measurement>
+samples::Use VelocityFilter::correct(const Measurement& m, Row first, bool together) {
+  constexpr int kM = Measurement::kRows;
+  SparseUpdate<kStates, Measurement> update(P_, m);
+  if (held_) update.expect(m, offset_);
+  int passed = 0;
+  for (int i = 0; i < kM; ++i) {
+    const std::size_t row = static_cast<std::size_t>(first + i);
+    innovation_[row] = update.innovation()(i);
+    innovation_sigma_[row] = update.sigma(i);
+    if (together || gate_.passes(update.normalised_square(i), 1)) passed |= 1 << i;
+  }
+  if (together && !gate_.passes(update.normalised_square(), kM)) passed = 0;
+  const int all = (1 << kM) - 1;
+  used_ |= passed << first;
+  rejected_ |= (all & ~passed) << first;
+  if (passed == 0) return samples::Use::kGated;
+  for (int i = 0; i < kM; ++i) {
+    if ((passed >> i & 1) == 0) update.exclude(i);
+  }
+  const StateVector correction = update.apply(P_);
+  if (held_) {
+    offset_ += correction;
+    settle();
+  } else {
+    fold_in(correction);
+  }
+  return samples::Use::kUsed;
+}
+
+Eigen::Matrix3d VelocityFilter::attitude_covariance_B() const {
+  const Eigen::Matrix3d lower = P_.block<3, 3>(kAttitude.offset, kAttitude.offset);
+  const Eigen::Matrix3d P_N = lower.selfadjointView<Eigen::Lower>();
+  return x_.C_NB.transpose() * P_N * x_.C_NB;
+}
+
+}  // namespace lodestar::strapdown

@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+
+#include "lodestar/filter/gate.h"
+#include "lodestar/samples/samples.h"
+#include "lodestar/samples/use.h"
+#include "lodestar/strapdown/delayed.h"
+#include "lodestar/strapdown/gust.h"
+#include "lodestar/strapdown/history.h"
+#include "lodestar/strapdown/parameters.h"
+#include "lodestar/strapdown/propagation.h"
+#include "lodestar/strapdown/state.h"
+
+namespace lodestar::strapdown {
+
+/// Attitude, and velocity relative to the air, from gyros, load factor, magnetic field and air
+/// data: an error-state filter whose states are those of state.h. It has no Euler angle anywhere.
+///
+/// Samples come in the order of their time, at most 1 s older than the last body rates; each is
+/// applied at its own time. After construction nothing allocates or throws.
+class VelocityFilter {
+ public:
+  /// Measurements, in the order of `innovation`.
+  enum Row { kFieldX, kFieldY, kFieldZ, kAirspeed, kAlpha, kBeta, kBaro };
+  static constexpr int kRows = 7;
+  using Rows = std::array<double, kRows>;  // nT x3 in B, m/s, rad x2, m
+
+  explicit VelocityFilter(const Parameters& parameters);
+
+  /// Latitude (rad), height (m) and the model's magnetic field there (nT, in N).
+  void set_place(double lat, double h, const Eigen::Vector3d& b_N);
+
+  /// Starts, or starts again, from an attitude known to `sigma_B` (rad, about the body axes). The
+  /// air velocity and the height follow from the next air data. What is known of the sensors stays.
+  void start(const Eigen::Matrix3d& C_NB, const Eigen::Vector3d& sigma_B, std::int64_t time_us);
+
+  /// From here on all equations are linearised about the present attitude as the gyros carry it on,
+  /// and not about the estimate, which goes its own way. While heading is known to some degrees
+  /// only the estimate moves by degrees, and what was learnt at one heading is wrong at the next:
+  /// the filter would take its own moves for turns of the aircraft and the hard iron for observed.
+  void hold_linearisation();
+  /// From here on about the estimate.
+  void release_linearisation();
+  /// Starts again from the estimated motion, as if the attitude were known to `sigma_B` (rad, about
+  /// the body axes) and nothing of the sensors.
+  void start_again(const Eigen::Vector3d& sigma_B);
+
+  /// One frame from the last `time_us` to this, at the trapezoidal rate. `extra_angle` (rad^2, per
+  /// axis): variance of what a gap in the rates hides.
+  void propagate(const samples::BodyRates& sample, double extra_angle_variance = 0.0);
+
+  samples::Use update(const samples::LoadFactor& sample);
+  samples::Use update(const samples::MagneticField& sample);  // calibrated
+  samples::Use update(const samples::AirData& sample);
+
+  Estimate estimate() const;
+  /// Lower triangle only; see sparse_update.h.
+  const Covariance& covariance() const { return P_; }
+  /// Covariance of the small rotation about the body axes (rad^2).
+  Eigen::Matrix3d attitude_covariance_B() const;
+  /// Variances of the small rotation about north, east and down (rad^2).
+  Eigen::Vector3d attitude_variance_N() const {
+    return P_.diagonal().segment<kAttitude.size>(kAttitude.offset);
+  }
+  /// Rate of B relative to the inertial frame (rad/s), of what the gyros measure.
+  Eigen::Vector3d corrected(const Eigen::Vector3d& measured_omega_B) const {
+    return measured_omega_B - x_.gyro_matrix * measured_omega_B - x_.gyro_bias_B;
+  }
+  const Parameters& parameters() const { return parameters_; }
+  double gust_sigma() const { return gust_level_.sigma(); }
+  bool has_velocity() const { return has_velocity_; }
+
+  /// Latest innovations, measured minus predicted, and their standard deviations; 0 before the
+  /// first.
+  const Rows& innovation() const { return innovation_; }
+  const Rows& innovation_sigma() const { return innovation_sigma_; }
+  /// Bits of `Row`: what this frame's measurements did.
+  int used() const { return used_; }
+  int rejected() const { return rejected_; }
+
+ private:
+  ProcessNoise process_noise(double dt) const;
+  Eigen::Vector3d force_to_use(double& density) const;
+  void settle();
+  void fold_in(const StateVector& correction);
+  void forget_history();
+  void start_velocity(const samples::AirData& sample);
+  void remember(const Eigen::Vector3d& force_B, double dt);
+  bool locate(std::int64_t time_us, Moment& moment) const;
+  Estimate estimate_at(const Moment& moment) const;
+  Delay delay_of(const Moment& moment) const;
+  void learn_gust_level(double dt);
+  template <class Measurement>
+  samples::Use correct(const Measurement& m, Row first, bool together);
+
+  Parameters parameters_;
+  filter::Gate gate_;
+  Place place_;
+  double lat_ = 0.0;
+  double h_ = 0.0;
+  Eigen::Vector3d b_N_ = Eigen::Vector3d::Zero();
+
+  Estimate x_;
+  Covariance P_;
+  GustLevel gust_level_;
+  History history_;
+  Corrections corrections_;
+  bool has_velocity_ = false;
+
+  std::int64_t now_us_ = 0;
+  bool have_rates_ = false;
+  Eigen::Vector3d measured_omega_B_ = Eigen::Vector3d::Zero();
+  bool have_load_ = false;
+  std::int64_t load_us_ = 0;
+  Eigen::Vector3d force_B_ = Eigen::Vector3d::Zero();  // m/s^2, latest measured
+  Eigen::Vector3d force_N_ = Eigen::Vector3d::Zero();  // the same in N, at its time
+  Eigen::Vector3d impulse_at_load_N_ = Eigen::Vector3d::Zero();
+  Eigen::Vector3d impulse_N_ = Eigen::Vector3d::Zero();
+  std::int64_t air_us_ = 0;
+
+  // Corrections of the attitude (rad, in N) that P_ has not been turned by yet.
+  Eigen::Vector3d unturned_N_ = Eigen::Vector3d::Zero();
+  bool held_ = false;                         // x_ keeps the attitude to linearise about
+  StateVector offset_ = StateVector::Zero();  // the estimate less x_ while held; attitude only
+
+  Rows innovation_{};
+  Rows innovation_sigma_{};
+  int used_ = 0;
+  int rejected_ = 0;
+};
+
+}  // namespace lodestar::strapdown

@@ -1,0 +1,208 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Commands ``lodestar monte-carlo STUDY``."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from concurrent.futures.process import BrokenProcessPool
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from lodestar.cli.common import FLIGHT_FAILED, INTERRUPTED, JsonOption, fail
+from lodestar.errors import InputError
+
+if TYPE_CHECKING:
+    from rich.progress import Progress
+
+    from lodestar.studies.campaign import Study
+    from lodestar.studies.ensemble import Ensemble
+    from lodestar.studies.findings import Findings, Plot
+    from lodestar.studies.store import ParquetStore
+
+SAHRS_EXAMPLE = "Example: lodestar monte-carlo sahrs --runs 20 --scenario hard --engine jsbsim"
+FAULTS_EXAMPLE = "Example: lodestar monte-carlo sahrs-faults --runs 20 --form velocity"
+
+app = typer.Typer(
+    help="Fly a study many times, on all cores, and tabulate it. It may be stopped and run again.",
+    no_args_is_help=True,
+)
+
+RunsOption = Annotated[int, typer.Option("--runs", min=1, help="Flights of each case.")]
+FirstSeedOption = Annotated[
+    int, typer.Option("--seed-first", min=0, metavar="N", help="Seed of the first; then upwards.")
+]
+WorkersOption = Annotated[
+    int | None, typer.Option("--workers", min=1, help="Processes; one for each core by default.")
+]
+FolderOption = Annotated[
+    Path | None,
+    typer.Option("--out", metavar="DIR", help="Results and report; out/monte-carlo/STUDY if none."),
+]
+RedrawOption = Annotated[
+    bool, typer.Option("--redraw", help="Fly nothing; tabulate what there is.")
+]
+FormOption = Annotated[
+    list[str] | None,
+    typer.Option("--form", metavar="velocity|paper", help="Of SAHRS; both by default."),
+]
+
+
+@app.command("sahrs", epilog=SAHRS_EXAMPLE)
+def sahrs(
+    runs: RunsOption = 100,
+    scenario: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--scenario",
+            metavar="NAME|FILE",
+            help="Once for each; ordinary, turbulence and hard by default.",
+        ),
+    ] = None,
+    engine: Annotated[
+        list[str] | None,
+        typer.Option("--engine", metavar="profile|jsbsim", help="Both by default."),
+    ] = None,
+    form: FormOption = None,
+    calibrated: Annotated[
+        bool | None,
+        typer.Option("--calibrated/--uncalibrated", help="The SMDU; both by default."),
+    ] = None,
+    seed_first: FirstSeedOption = 1,
+    workers: WorkersOption = None,
+    out: FolderOption = None,
+    redraw: RedrawOption = False,
+    as_json: JsonOption = False,
+) -> None:
+    """SAHRS against truth: errors, maxima, and whether its sigma tells the truth."""
+    from lodestar.studies import sahrs as study
+    from lodestar.studies.sahrs_findings import findings
+    from lodestar.studies.sahrs_plots import plots
+
+    _conduct(
+        study.sahrs_study(
+            scenario or (), engine or (), form or (), set() if calibrated is None else {calibrated}
+        ),
+        findings,
+        plots,
+        range(seed_first, seed_first + runs),
+        workers,
+        out,
+        redraw=redraw,
+        as_json=as_json,
+    )
+
+
+@app.command("sahrs-faults", epilog=FAULTS_EXAMPLE)
+def sahrs_faults(
+    runs: RunsOption = 20,
+    engine: Annotated[
+        list[str] | None,
+        typer.Option("--engine", metavar="profile|jsbsim", help="profile by default."),
+    ] = None,
+    form: FormOption = None,
+    seed_first: FirstSeedOption = 1,
+    workers: WorkersOption = None,
+    out: FolderOption = None,
+    redraw: RedrawOption = False,
+    as_json: JsonOption = False,
+) -> None:
+    """SAHRS with bad input: a magnet, frozen airspeed, stuck vane, baro spikes, gyro saturation."""
+    from lodestar.studies.sahrs_faults import sahrs_faults_study
+    from lodestar.studies.sahrs_faults_findings import findings, plots
+
+    _conduct(
+        sahrs_faults_study(engine or (), form or ()),
+        findings,
+        plots,
+        range(seed_first, seed_first + runs),
+        workers,
+        out,
+        redraw=redraw,
+        as_json=as_json,
+    )
+
+
+def _conduct(
+    study: Study,
+    findings: Callable[[str, Sequence[Ensemble]], Findings],
+    plots: Callable[[Sequence[Ensemble]], list[Plot]],
+    seeds: range,
+    workers: int | None,
+    out: Path | None,
+    *,
+    redraw: bool,
+    as_json: bool,
+) -> None:
+    """Fly what is missing, tell and write what was found.
+
+    Raises typer.Exit with FLIGHT_FAILED if a limit was broken.
+    """
+    from lodestar.studies.ensemble import grouped
+    from lodestar.studies.findings import print_findings, write
+    from lodestar.studies.store import ParquetStore
+
+    folder = out or Path("out/monte-carlo") / study.name
+    store = ParquetStore(folder)
+    if not redraw:
+        _fly(study, seeds, store, workers)
+    ensembles = grouped(store.results(study.cells, seeds))
+    if not ensembles:
+        raise InputError(f"{folder}: holds none of these flights; run it without --redraw")
+    found = findings(study.name, ensembles)
+    report = write(found, plots(ensembles), folder)
+    if as_json:
+        typer.echo(found.to_json())
+    else:
+        print_findings(found)
+        typer.echo(f"report: {report}")
+    if found.failures:
+        raise typer.Exit(FLIGHT_FAILED)
+
+
+def _fly(study: Study, seeds: range, store: ParquetStore, workers: int | None) -> None:
+    from lodestar.studies.campaign import run
+    from lodestar.studies.pool import LocalPool
+
+    kept = f"{store.folder} keeps what was flown, and the same command goes on"
+    try:
+        with store.writing(), _progress() as progress:
+            bar = progress.add_task(f"monte-carlo {study.name}", total=None)
+            run(
+                study,
+                seeds,
+                store,
+                LocalPool(workers),
+                lambda done, total: progress.update(bar, completed=done, total=total),
+            )
+    except KeyboardInterrupt:
+        fail(f"stopped by Ctrl-C; {kept}", INTERRUPTED)
+    except BrokenProcessPool:
+        fail(f"a process ended before its flight did (out of memory?); {kept}", FLIGHT_FAILED)
+
+
+def _progress() -> Progress:
+    from rich.console import Console
+    from rich.progress import (
+        BarColumn,
+        MofNCompleteColumn,
+        Progress,
+        TextColumn,
+        TimeElapsedColumn,
+        TimeRemainingColumn,
+    )
+
+    return Progress(
+        TextColumn("{task.description}"),
+        BarColumn(),
+        MofNCompleteColumn(),
+        TextColumn("flights"),
+        TimeElapsedColumn(),
+        TextColumn("left"),
+        TimeRemainingColumn(),
+        console=Console(stderr=True),
+        transient=True,
+        # Flights take seconds; the time that is left is told from the last ten minutes of them.
+        speed_estimate_period=600,
+    )
