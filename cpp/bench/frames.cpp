@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <memory>
 #include <optional>
+#include <type_traits>
 #include <variant>
 #include <vector>
 
@@ -17,6 +18,7 @@
 #include "lodestar/fusion/cascade.h"
 #include "lodestar/navigator/navigator.h"
 #include "lodestar/sahrs/paper_sahrs.h"
+#include "lodestar/sahrs/velocity_sahrs.h"
 
 namespace {
 
@@ -102,11 +104,17 @@ struct SahrsAlone {
   Sahrs sahrs = made();
 
   static Sahrs made() {
-    const navigator::Config config;
-    Sahrs sahrs(config.sahrs, config.smdu_calibration, config.earth.geomagnetic_model,
-                config.earth.epoch_year);
-    sahrs.set_position(config.initial.lat, config.initial.lon, config.initial.h);
-    return sahrs;
+    const navigator::Config c;
+    if constexpr (std::is_same_v<Sahrs, sahrs::PaperSahrs>) {
+      return Sahrs(c.sahrs, c.smdu_calibration, c.earth.geomagnetic_model, c.earth.epoch_year);
+    } else {
+      return Sahrs(c.sahrs, c.strapdown, c.smdu_calibration, c.earth.geomagnetic_model,
+                   c.earth.epoch_year);
+    }
+  }
+  SahrsAlone() {
+    const navigator::InitialParameters initial;
+    sahrs.set_position(initial.lat, initial.lon, initial.h);
   }
   void fly(std::size_t i) {
     const SensorFrame& frame = frames[i];
@@ -178,6 +186,9 @@ void geomagnetic_evaluation(benchmark::State& state) {
 BENCHMARK(one_frame<WholeNavigator>)->Name("navigator_frame")->Unit(benchmark::kMicrosecond);
 BENCHMARK(one_frame<SahrsAlone<sahrs::PaperSahrs>>)
     ->Name("sahrs_paper_step")
+    ->Unit(benchmark::kMicrosecond);
+BENCHMARK(one_frame<SahrsAlone<sahrs::VelocitySahrs>>)
+    ->Name("sahrs_step")
     ->Unit(benchmark::kMicrosecond);
 BENCHMARK(one_frame<CascadeAlone>)->Name("cascade_step")->Unit(benchmark::kMicrosecond);
 BENCHMARK(geomagnetic_evaluation)->Name("geomagnetic_evaluation")->Unit(benchmark::kMicrosecond);

@@ -9,9 +9,22 @@ set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
 if(NOT CMAKE_BUILD_TYPE)
   set(CMAKE_BUILD_TYPE Release)
 endif()
-# One instruction set for every build, so that results are the same bits on every machine: fused
-# multiply-add is never contracted behind our back.
+# The same source gives the same bits: the compiler fuses no multiplication with an addition of its own
+# accord.
 add_compile_options(-ffp-contract=off)
+# AVX2 and FMA (x86-64 processors since 2013-15) make a frame a third faster. Results differ in the last
+# bits from those of a build without.
+option(LODESTAR_AVX2 "Use AVX2 and FMA where the building machine has them" ON)
+if(LODESTAR_AVX2 AND CMAKE_SYSTEM_PROCESSOR STREQUAL "x86_64" AND NOT CMAKE_CROSSCOMPILING)
+  include(CheckCXXSourceRuns)
+  check_cxx_source_runs("
+    int main() {
+      return __builtin_cpu_supports(\"avx2\") && __builtin_cpu_supports(\"fma\") ? 0 : 1;
+    }" LODESTAR_MACHINE_HAS_AVX2)
+  if(LODESTAR_MACHINE_HAS_AVX2)
+    add_compile_options(-mavx2 -mfma)
+  endif()
+endif()
 if(LODESTAR_SANITIZE)
   add_compile_options(-fsanitize=${LODESTAR_SANITIZE} -fno-sanitize-recover=all
                       -fno-omit-frame-pointer -g)

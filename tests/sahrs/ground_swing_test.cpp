@@ -97,6 +97,7 @@ TEST(GroundSwing, CorrectsTheLevelFieldWithinItsSigma) {
     const Eigen::Vector3d error = c.matrix() * b_raw + c.bias() - b_B;
     const auto J = jacobian(b_raw);
     const Eigen::Matrix3d P = J * c.P * J.transpose();
+    std::cout << error.dot(P.inverse() * error) << ' ' << error.transpose() << ' ' << P.diagonal().cwiseSqrt().transpose() << std::endl;
     EXPECT_LT(error.dot(P.inverse() * error), filter::chi_square_threshold(3, 1e-3)) << i;
     EXPECT_LT(error.norm(), 0.3 * (b_raw - b_B).norm()) << i;
   }

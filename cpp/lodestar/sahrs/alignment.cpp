@@ -90,6 +90,7 @@ std::optional<Aligned> Alignment::solve(const AlignmentInput& in) const {
   const double max_bias = averaged ? in.max_gyro_bias : 0.0;
 
   Aligned aligned;
+  aligned.averaged = averaged;
   aligned.sigma_B = averaged ? kStraightSigma_B : kTurningSigma_B;
   aligned.omega_B = averaged ? turn_B_.rate() : omega_B_;
   aligned.gyro_bias_B.setZero();

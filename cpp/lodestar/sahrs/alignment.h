@@ -25,6 +25,7 @@ struct Aligned {
   Eigen::Vector3d sigma_B;      // rad, what to expect of it
   Eigen::Vector3d omega_B;      // rad/s, as observed
   Eigen::Vector3d gyro_bias_B;  // rad/s, part of that
+  bool averaged;                // over nearly straight flight
 };
 
 /// Attitude from nothing but a few seconds of vector measurements.

@@ -2,6 +2,7 @@
 #include "lodestar/sahrs/velocity_sahrs.h"
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 
 #include "lodestar/earth/wgs84.h"
@@ -12,15 +13,14 @@ namespace {
 
 constexpr double kLongestBridge = 0.5;            // s without body rates that are bridged
 constexpr double kLongestFrame = 0.05;            // s; a longer frame has lost samples
-constexpr std::int64_t kFresh_us = 200'000;       // a sample this old still speaks of now
+constexpr std::int64_t kFresh_us = 500'000;       // a sample this old still speaks of now
 constexpr std::int64_t kCoasting_us = 2'000'000;  // without any measurement: coasting
 
-// What the alignments are good for, before the hard iron: an instant one is off by the gyro bias
-// times the airspeed (0.2 deg/s and 190 m/s make 4 deg), and in heading by that times the tangent
-// of the field's dip.
-const Eigen::Vector3d kSteadySigma_B = math::kDegree * Eigen::Vector3d(1.2, 1.2, 5.0);
-const Eigen::Vector3d kInstantSigma_B = math::kDegree * Eigen::Vector3d(6.0, 6.0, 20.0);
-constexpr std::int64_t kLongestWait_us = 15'000'000;  // for steady flight
+constexpr std::int64_t kPatience_us = 10'000'000;     // with a field that is not believed
+constexpr double kDoubt = 0.5 * math::kDegree;        // rad/s that sigma then grows by
+constexpr double kLost = 30.0 * math::kDegree;        // sigma beyond which linear filtering ends
+constexpr std::int64_t kLongestWait_us = 10'000'000;  // for straight flight to align in
+constexpr double kClimbBandwidth = 1.0;               // rad/s, for the alignment only
 constexpr double kCoarse = 2.0 * math::kDegree;       // heading worse than this is refined
 constexpr std::int64_t kLongestHold_us = 60'000'000;
 constexpr double kFine = 1.0 * math::kDegree;  // until it is as good as that
@@ -41,7 +41,8 @@ VelocitySahrs::VelocitySahrs(const Parameters& parameters,
       calibration_(calibration),
       epoch_year_(epoch_year),
       field_model_(field_model),
-      filter_(filter_parameters) {}
+      filter_(filter_parameters),
+      climb_(kClimbBandwidth, filter_parameters.baro_lag) {}
 
 void VelocitySahrs::set_position(double lat, double lon, double h) {
   b_N_ = field_model_.field_N(lat, lon, h, epoch_year_);
@@ -62,7 +63,9 @@ void VelocitySahrs::begin(const Eigen::Matrix3d& C_NB, const Eigen::Vector3d& si
   if (coarse_) filter_.hold_linearisation();
   started_us_ = time_us;
   last_used_us_ = time_us;
+  field_used_us_ = time_us;
   state_ = State::kRunning;
+  lost_ = false;
 }
 
 void VelocitySahrs::propagate(const samples::BodyRates& sample) {
@@ -70,11 +73,12 @@ void VelocitySahrs::propagate(const samples::BodyRates& sample) {
   have_rates_ = true;
   now_us_ = sample.time_us;
   omega_B_ = sample.omega_B;
-  if (state_ != State::kRunning) return;
-  if (dt > kLongestBridge) {
+  if (state_ == State::kRunning && dt > kLongestBridge) {
     state_ = State::kRealigning;
-    return;
+    alignment_.restart();
   }
+  if (needs_alignment()) alignment_.observe_rates(filter_.corrected(omega_B_), now_us_);
+  if (state_ != State::kRunning) return;
   // Between two known ends the rate did what it liked: the integral of a Brownian bridge.
   const double hidden =
       dt > kLongestFrame ? square(parameters_.gyro_gap_noise) * dt * dt * dt / 12.0 : 0.0;
@@ -91,24 +95,48 @@ void VelocitySahrs::refine_alignment() {
 }
 
 samples::Use VelocitySahrs::update(const samples::LoadFactor& sample) {
-  load_ = sample;
+  load_us_ = sample.time_us;
   have_load_ = true;
+  if (needs_alignment() && have_air_ && sample.time_us - air_.time_us <= kFresh_us) {
+    alignment_.observe_load(sample.n_B, strapdown::air_velocity_B(air_), sample.time_us);
+    try_alignment();
+  }
   if (state_ != State::kRunning) return samples::Use::kHeld;
   return filter_.update(sample);
 }
 
 samples::Use VelocitySahrs::update(const samples::MagneticField& sample) {
-  field_ = sample;
-  field_.b_B = calibration_.matrix * sample.b_B + calibration_.bias;
+  samples::MagneticField field = sample;
+  field.b_B = calibration_.matrix * sample.b_B + calibration_.bias;
+  if (needs_alignment()) alignment_.observe_field(field.b_B, sample.time_us);
+  const std::int64_t before_us = field_us_;
   have_field_ = true;
-  try_alignment();
+  field_us_ = sample.time_us;
   if (state_ != State::kRunning) return samples::Use::kHeld;
-  const samples::Use use = filter_.update(field_);
+  const samples::Use use = filter_.update(field);
   note(use, sample.time_us);
+  if (use == samples::Use::kUsed) field_used_us_ = sample.time_us;
+  if (use == samples::Use::kGated) doubt_heading(before_us);
   return use;
 }
 
+// A field that contradicts the heading for a moment is a disturbance. If it goes on, either may be
+// wrong, and in the long run there is no other reference: sigma grows until the field is believed.
+void VelocitySahrs::doubt_heading(std::int64_t before_us) {
+  if (field_us_ - field_used_us_ < kPatience_us) return;
+  const double sigma = std::sqrt(filter_.attitude_variance_N().z());
+  filter_.doubt_heading(2.0 * sigma * kDoubt * std::min(seconds(field_us_, before_us), 1.0));
+}
+
 samples::Use VelocitySahrs::update(const samples::AirData& sample) {
+  if (needs_alignment()) {
+    const double dt = have_air_ ? seconds(sample.time_us, air_.time_us) : 0.0;
+    if (dt > 0.0 && dt <= kLongestBridge) {
+      climb_.update(sample.baro_altitude, dt);
+    } else {
+      climb_.restart(sample.baro_altitude);
+    }
+  }
   air_ = sample;
   have_air_ = true;
   if (state_ != State::kRunning) return samples::Use::kHeld;
@@ -125,39 +153,37 @@ void VelocitySahrs::note(samples::Use use, std::int64_t time_us) {
 }
 
 void VelocitySahrs::try_alignment() {
-  if (state_ == State::kRunning || !have_rates_ || !have_load_ || !have_field_ || !have_air_)
+  if (!have_field_ || !climb_.settled()) return;
+  const std::int64_t oldest_us = std::min(field_us_, air_.time_us);
+  if (now_us_ - oldest_us > kFresh_us || std::abs(air_.beta) > parameters_.max_sideslip ||
+      air_.true_airspeed < filter_.parameters().min_airspeed) {
     return;
-  const auto fresh = [this](std::int64_t time_us) { return now_us_ - time_us <= kFresh_us; };
-  if (!fresh(load_.time_us) || !fresh(field_.time_us) || !fresh(air_.time_us)) return;
-  if (air_.true_airspeed < filter_.parameters().min_airspeed) return;
-  if (!waiting_for_steady_) {
-    waiting_for_steady_ = true;
-    waiting_us_ = now_us_;
-    steady_.restart();
   }
-  const MomentVectors in{omega_B_,   load_.n_B, strapdown::air_velocity_B(air_),
-                         field_.b_B, b_N_,      gravity_};
-  const std::optional<Eigen::Matrix3d> steady = steady_.add(now_us_, in, parameters_.max_imbalance);
-  if (steady) {
-    align_to(*steady, kSteadySigma_B);
-  } else if (now_us_ - waiting_us_ > kLongestWait_us) {
-    const std::optional<Eigen::Matrix3d> instant = attitude_of(in, parameters_.max_imbalance);
-    if (instant) {
-      align_to(*instant, kInstantSigma_B);
-    } else {
-      ++assumption_rejects_[static_cast<std::size_t>(Assumption::kBalance)];
-    }
+  const std::optional<Aligned> aligned =
+      alignment_.solve({climb_.rate(), b_N_, gravity_, 3.0 * filter_.parameters().gyro_bias_sigma,
+                        parameters_.max_imbalance});
+  if (!aligned) {
+    ++assumption_rejects_[static_cast<std::size_t>(Assumption::kBalance)];
+    return;
   }
+  if (alignable_us_ == 0) alignable_us_ = now_us_;
+  if (!aligned->averaged && now_us_ - alignable_us_ < kLongestWait_us) return;
+  alignable_us_ = 0;
+  align_to(*aligned);
 }
 
-void VelocitySahrs::align_to(const Eigen::Matrix3d& C_NB, const Eigen::Vector3d& sigma_B) {
-  const bool again = state_ == State::kRealigning;
-  waiting_for_steady_ = false;
-  begin(C_NB, sigma_B, now_us_);
+void VelocitySahrs::align_to(const Aligned& aligned) {
+  const bool again = state_ != State::kWaiting;
+  const Eigen::Quaterniond before = attitude_.q_NB;
+  const double age = seconds(now_us_, load_us_);
+  filter_.correct_gyro_bias(aligned.gyro_bias_B);
+  begin(math::C_NB_from_euler(aligned.attitude) *
+            math::exp_so3(age * (aligned.omega_B - aligned.gyro_bias_B)),
+        aligned.sigma_B, now_us_);
+  alignment_.restart();
   if (again) {
     ++attitude_.reset_count;
-    attitude_.reset_delta_B =
-        math::log_quaternion(attitude_.q_NB.conjugate() * filter_.estimate().q_NB);
+    attitude_.reset_delta_B = math::log_quaternion(before.conjugate() * filter_.estimate().q_NB);
   }
 }
 
@@ -179,6 +205,7 @@ void VelocitySahrs::finish_frame() {
   const bool certain =
       std::max(variance_N.x(), variance_N.y()) <= square(parameters_.max_valid_tilt_sigma) &&
       variance_N.z() <= square(parameters_.max_valid_heading_sigma);
+  lost_ = variance_N.maxCoeff() > square(kLost);
   attitude_.valid = state_ == State::kRunning && certain;
   attitude_.mode = mode(certain);
 }

@@ -6,9 +6,9 @@
 #include <cstdint>
 
 #include "lodestar/earth/cached_field.h"
-#include "lodestar/sahrs/paper_sahrs.h"
+#include "lodestar/sahrs/alignment.h"
 #include "lodestar/sahrs/parameters.h"
-#include "lodestar/sahrs/steady_alignment.h"
+#include "lodestar/sahrs/rate_filter.h"
 #include "lodestar/samples/outputs.h"
 #include "lodestar/samples/samples.h"
 #include "lodestar/samples/use.h"
@@ -65,10 +65,12 @@ class VelocitySahrs {
  private:
   enum class State { kWaiting, kRunning, kRealigning };
 
+  bool needs_alignment() const { return state_ != State::kRunning || lost_; }
   void try_alignment();
-  void align_to(const Eigen::Matrix3d& C_NB, const Eigen::Vector3d& sigma_B);
+  void align_to(const Aligned& aligned);
   void begin(const Eigen::Matrix3d& C_NB, const Eigen::Vector3d& sigma_B, std::int64_t time_us);
   void refine_alignment();
+  void doubt_heading(std::int64_t time_us);
   void note(samples::Use use, std::int64_t time_us);
   samples::AttitudeMode mode(bool certain) const;
 
@@ -85,17 +87,19 @@ class VelocitySahrs {
   std::int64_t last_used_us_ = 0;
   bool coarse_ = false;  // the alignment is still being refined
   std::int64_t started_us_ = 0;
-  SteadyAlignment steady_;
-  bool waiting_for_steady_ = false;
-  std::int64_t waiting_us_ = 0;
-  // The latest of each channel, for the alignment.
+  bool lost_ = false;  // running, but so uncertain that an alignment is better
+  std::int64_t field_used_us_ = 0;
+  std::int64_t alignable_us_ = 0;  // since when a turn has been all there was to align in; 0: none
+  Alignment alignment_;
+  RateFilter climb_;
+  // The latest of each channel.
   bool have_rates_ = false;
-  bool have_load_ = false;
-  bool have_field_ = false;
-  bool have_air_ = false;
   Eigen::Vector3d omega_B_ = Eigen::Vector3d::Zero();
-  samples::LoadFactor load_;
-  samples::MagneticField field_;  // calibrated
+  bool have_load_ = false;
+  std::int64_t load_us_ = 0;
+  bool have_field_ = false;
+  std::int64_t field_us_ = 0;
+  bool have_air_ = false;
   samples::AirData air_;
 
   samples::Attitude attitude_;

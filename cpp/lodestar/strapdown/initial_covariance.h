@@ -42,6 +42,14 @@ inline void restart_attitude(Covariance& P, const Eigen::Matrix3d& P_N) {
   P.block<3, 3>(kAttitude.offset, kAttitude.offset) = P_N;
 }
 
+/// The heights are known anew, as one baro altitude at airspeed `V` (m/s) tells them.
+inline void restart_heights(Covariance& P, const Parameters& p, double V) {
+  const double lag_sigma = 0.1 * V * p.baro_lag;  // of height against the lagging one
+  for (const math::Block block : {kHeight, kBaroHeight}) forget(P, block);
+  P(kHeight.offset, kHeight.offset) = p.baro_noise * p.baro_noise + lag_sigma * lag_sigma;
+  P(kBaroHeight.offset, kBaroHeight.offset) = p.baro_noise * p.baro_noise;
+}
+
 /// Velocity, heights and gust are known anew, as well as one sample of air data at airspeed `V`
 /// (m/s) tells them, but for the sensor's own errors: wide, the next samples make it narrow.
 inline void restart_velocity(Covariance& P, const Parameters& p, double gust_sigma, double V) {
@@ -50,13 +58,11 @@ inline void restart_velocity(Covariance& P, const Parameters& p, double gust_sig
   const double velocity_sigma =
       kWide * std::max({p.airspeed_bias_sigma + p.airspeed_scale_sigma * V + p.airspeed_noise,
                         angle_sigma * V, gust_sigma});
-  const double lag_sigma = 0.1 * V * p.baro_lag;  // of height against the lagging one
-  for (const math::Block block : {kVelocity, kHeight, kBaroHeight, kGust}) forget(P, block);
+  for (const math::Block block : {kVelocity, kGust}) forget(P, block);
   auto diagonal = P.diagonal();
   part<3>(diagonal, kVelocity).setConstant(velocity_sigma * velocity_sigma);
-  diagonal(kHeight.offset) = p.baro_noise * p.baro_noise + lag_sigma * lag_sigma;
-  diagonal(kBaroHeight.offset) = p.baro_noise * p.baro_noise;
   part<3>(diagonal, kGust).setConstant(gust_sigma * gust_sigma);
+  restart_heights(P, p, V);
 }
 
 }  // namespace lodestar::strapdown

@@ -39,10 +39,13 @@ struct Parameters {
   double min_airspeed = 60.0;  // m/s
 
   // The air.
-  double wind_walk = 0.1;            // m/s/sqrt(s)
-  double vertical_wind_walk = 0.03;  // m/s/sqrt(s)
+  double wind_walk = 0.1;            // m/s/sqrt(s), at the start
+  double wind_walk_min = 0.1;        // m/s/sqrt(s)
+  double wind_walk_max = 2.0;        // m/s/sqrt(s)
+  double wind_adaptation = 3.0;      // s
+  double vertical_wind_ratio = 0.3;  // of the same
   double height_walk = 0.1;          // m/sqrt(s)
-  double gust_length = 533.0;        // m
+  double gust_length = 430.0;        // m
   double gust_sigma = 2.0;           // m/s, at the start
   double gust_sigma_min = 0.05;      // m/s
   double gust_sigma_max = 8.0;       // m/s
@@ -94,10 +97,18 @@ struct Parameters {
     visit(self.baro_lag, {"baro_lag_s", "s", 0.0, 5.0, "First-order lag of the baro altitude"});
     visit(self.min_airspeed, {"min_airspeed_m_s", "m/s", 1.0, 200.0,
                               "Airspeed below which the air data are not used"});
-    visit(self.wind_walk, {"wind_walk_m_s_rts", "m/s/sqrt(s)", 0.0, 10.0,
-                           "Random walk of the horizontal wind, per axis"});
-    visit(self.vertical_wind_walk, {"vertical_wind_walk_m_s_rts", "m/s/sqrt(s)", 0.0, 10.0,
-                                    "Random walk of the vertical wind"});
+    visit(self.wind_walk, {"wind_walk_m_s_rts", "m/s/sqrt(s)", 1e-4, 10.0,
+                           "Random walk of the horizontal wind, per axis, at the start; then "
+                           "estimated"});
+    visit(self.wind_walk_min,
+          {"wind_walk_min_m_s_rts", "m/s/sqrt(s)", 1e-4, 10.0, "Least level of that random walk"});
+    visit(self.wind_walk_max, {"wind_walk_max_m_s_rts", "m/s/sqrt(s)", 1e-4, 10.0,
+                               "Greatest level of that random walk"});
+    visit(self.wind_adaptation, {"wind_adaptation_s", "s", 0.1, 1e6,
+                                 "Time in which the level of that random walk is learnt"});
+    visit(self.vertical_wind_ratio, {"vertical_wind_ratio", "-", 0.0, 10.0,
+                                     "Random walk of the vertical wind over that of the "
+                                     "horizontal"});
     visit(self.height_walk, {"height_walk_m_rts", "m/sqrt(s)", 0.0, 10.0,
                              "Random walk of baro altitude against the climb through the air"});
     visit(self.gust_length, {"gust_length_m", "m", 10.0, 5000.0, "Length of the gusts (Dryden)"});

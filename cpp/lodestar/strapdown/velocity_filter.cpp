@@ -16,8 +16,9 @@ namespace {
 
 constexpr double kMicrosecond = 1e-6;        // s
 constexpr std::int64_t kFresh_us = 200'000;  // a load factor this old still holds
-constexpr double kUnknownForce = 3.0;        // m/s^2/sqrt(Hz), where none is measured
-constexpr double kNearestPole = 1e-3;        // cos(latitude), for the transport rate
+constexpr std::int64_t kBaroPatience_us = 2'000'000;
+constexpr double kUnknownForce = 3.0;  // m/s^2/sqrt(Hz), where none is measured
+constexpr double kNearestPole = 1e-3;  // cos(latitude), for the transport rate
 
 constexpr double kLeastTurn = 1e-3;  // rad; a smaller turn of P is put off
 
@@ -36,7 +37,9 @@ VelocityFilter::VelocityFilter(const Parameters& parameters)
       gate_(parameters.gate_false_rejection),
       P_(initial_covariance(parameters)),
       gust_level_(parameters.gust_sigma, parameters.gust_sigma_min, parameters.gust_sigma_max,
-                  parameters.gust_adaptation) {
+                  parameters.gust_adaptation),
+      wind_level_(parameters.wind_walk, parameters.wind_walk_min, parameters.wind_walk_max,
+                  parameters.wind_adaptation) {
   place_.baro_lag = parameters.baro_lag;
 }
 
@@ -155,8 +158,8 @@ ProcessNoise VelocityFilter::process_noise(double dt) const {
   ProcessNoise noise;
   noise.gyro = square(p.gyro_noise);
   noise.force = square(p.load_noise * samples::kStandardGravity);
-  noise.wind = square(p.wind_walk);
-  noise.vertical_wind = square(p.vertical_wind_walk);
+  noise.wind = square(wind_level_.walk());
+  noise.vertical_wind = square(p.vertical_wind_ratio) * noise.wind;
   noise.height = square(p.height_walk);
   noise.gyro_bias = p.gyro_drift.spectral_density();
   noise.field_drift_decay = p.field_drift.decay(dt);
@@ -284,28 +287,47 @@ samples::Use VelocityFilter::update(const samples::AirData& sample) {
     const AirDataMeasurement then = measure_air(sample, estimate_at(moment), noise);
     use = correct(Delayed<AirDataMeasurement>(then, delay_of(moment)), kAirspeed, false);
   }
-  learn_gust_level(seconds(sample.time_us, air_us_));
+  learn_air(seconds(sample.time_us, air_us_));
   air_us_ = sample.time_us;
+  follow_baro(sample);
   if (std::cos(lat_) > kNearestPole) {
     place_.transport_rate_N = earth::transport_rate_N(lat_, h_, x_.air_velocity_N);
   }
   return use;
 }
 
+/// A baro altitude that stays off is one on another scale, or the climb was wrong; either way how
+/// it goes on tells the climb from here on.
+void VelocityFilter::follow_baro(const samples::AirData& sample) {
+  if ((used_ >> kBaro & 1) != 0) baro_used_us_ = sample.time_us;
+  if (sample.time_us - baro_used_us_ <= kBaroPatience_us) return;
+  StateVector step = StateVector::Zero();
+  step(kHeight.offset) = innovation_[kBaro];
+  step(kBaroHeight.offset) = innovation_[kBaro];
+  fold_in(step);
+  restart_heights(P_, parameters_, x_.air_velocity_N.norm());
+  baro_used_us_ = sample.time_us;
+}
+
 /// One sensor alone that is far off is taken for a fault of that sensor, several for a gust.
-void VelocityFilter::learn_gust_level(double dt) {
+void VelocityFilter::learn_air(double since_last) {
   constexpr double kLongest = 0.1;  // s
   constexpr std::array<Row, 3> kFlow = {kAirspeed, kAlpha, kBeta};
   int gated = 0;
   for (const Row row : kFlow) gated += rejected_ >> row & 1;
+  std::array<double, kFlow.size()> normalised{};
   double sum = 0.0;
   int count = 0;
-  for (const Row row : kFlow) {
+  for (std::size_t i = 0; i < kFlow.size(); ++i) {
+    const Row row = kFlow[i];
     if (gated == 1 && (rejected_ >> row & 1) != 0) continue;
-    sum += square(innovation_[row] / innovation_sigma_[row]);
+    normalised[i] = innovation_[row] / innovation_sigma_[row];
+    sum += square(normalised[i]);
     ++count;
   }
-  gust_level_.learn(sum / count, std::clamp(dt, 0.0, kLongest));
+  const double dt = std::clamp(since_last, 0.0, kLongest);
+  gust_level_.learn(sum / count, dt);
+  wind_level_.learn(normalised, dt);
 }
 
 void VelocityFilter::start_velocity(const samples::AirData& sample) {
@@ -315,6 +337,7 @@ void VelocityFilter::start_velocity(const samples::AirData& sample) {
   x_.baro_height = sample.baro_altitude;
   restart_velocity(P_, parameters_, gust_level_.sigma(), sample.true_airspeed);
   air_us_ = sample.time_us;
+  baro_used_us_ = sample.time_us;
   has_velocity_ = true;
   forget_history();
 }

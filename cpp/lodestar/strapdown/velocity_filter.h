@@ -14,6 +14,7 @@
 #include "lodestar/strapdown/parameters.h"
 #include "lodestar/strapdown/propagation.h"
 #include "lodestar/strapdown/state.h"
+#include "lodestar/strapdown/wind_level.h"
 
 namespace lodestar::strapdown {
 
@@ -49,6 +50,13 @@ class VelocityFilter {
   /// the body axes) and nothing of the sensors.
   void start_again(const Eigen::Vector3d& sigma_B);
 
+  /// Adds to the gyro bias that is taken off (rad/s), as an alignment has found it.
+  void correct_gyro_bias(const Eigen::Vector3d& more_B) { x_.gyro_bias_B += more_B; }
+  /// Adds to the variance of heading (rad^2).
+  void doubt_heading(double variance) {
+    P_(kAttitude.offset + 2, kAttitude.offset + 2) += variance;
+  }
+
   /// One frame from the last `time_us` to this, at the trapezoidal rate. `extra_angle` (rad^2, per
   /// axis): variance of what a gap in the rates hides.
   void propagate(const samples::BodyRates& sample, double extra_angle_variance = 0.0);
@@ -72,6 +80,7 @@ class VelocityFilter {
   }
   const Parameters& parameters() const { return parameters_; }
   double gust_sigma() const { return gust_level_.sigma(); }
+  double wind_walk() const { return wind_level_.walk(); }
   bool has_velocity() const { return has_velocity_; }
 
   /// Latest innovations, measured minus predicted, and their standard deviations; 0 before the
@@ -89,11 +98,12 @@ class VelocityFilter {
   void fold_in(const StateVector& correction);
   void forget_history();
   void start_velocity(const samples::AirData& sample);
+  void follow_baro(const samples::AirData& sample);
   void remember(const Eigen::Vector3d& force_B, double dt);
   bool locate(std::int64_t time_us, Moment& moment) const;
   Estimate estimate_at(const Moment& moment) const;
   Delay delay_of(const Moment& moment) const;
-  void learn_gust_level(double dt);
+  void learn_air(double dt);
   template <class Measurement>
   samples::Use correct(const Measurement& m, Row first, bool together);
 
@@ -107,6 +117,7 @@ class VelocityFilter {
   Estimate x_;
   Covariance P_;
   GustLevel gust_level_;
+  WindLevel wind_level_;
   History history_;
   Corrections corrections_;
   bool has_velocity_ = false;
@@ -121,6 +132,7 @@ class VelocityFilter {
   Eigen::Vector3d impulse_at_load_N_ = Eigen::Vector3d::Zero();
   Eigen::Vector3d impulse_N_ = Eigen::Vector3d::Zero();
   std::int64_t air_us_ = 0;
+  std::int64_t baro_used_us_ = 0;
 
   // Corrections of the attitude (rad, in N) that P_ has not been turned by yet.
   Eigen::Vector3d unturned_N_ = Eigen::Vector3d::Zero();

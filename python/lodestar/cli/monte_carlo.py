@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 
 SAHRS_EXAMPLE = "Example: lodestar monte-carlo sahrs --runs 20 --scenario hard --engine jsbsim"
 FAULTS_EXAMPLE = "Example: lodestar monte-carlo sahrs-faults --runs 20 --form velocity"
+INS_MONITOR_EXAMPLE = "Example: lodestar monte-carlo ins-monitor --runs 27 --form velocity"
 
 app = typer.Typer(
     help="Fly a study many times, on all cores, and tabulate it. It may be stopped and run again.",
@@ -114,6 +115,44 @@ def sahrs_faults(
 
     _conduct(
         sahrs_faults_study(engine or (), form or ()),
+        findings,
+        plots,
+        range(seed_first, seed_first + runs),
+        workers,
+        out,
+        redraw=redraw,
+        as_json=as_json,
+    )
+
+
+@app.command("ins-monitor", epilog=INS_MONITOR_EXAMPLE)
+def ins_monitor(
+    runs: RunsOption = 27,
+    scenario: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--scenario",
+            metavar="NAME|FILE",
+            help="Once for each; ordinary, turbulence and hard by default.",
+        ),
+    ] = None,
+    engine: Annotated[
+        list[str] | None,
+        typer.Option("--engine", metavar="profile|jsbsim", help="profile by default."),
+    ] = None,
+    form: FormOption = None,
+    seed_first: FirstSeedOption = 1,
+    workers: WorkersOption = None,
+    out: FolderOption = None,
+    redraw: RedrawOption = False,
+    as_json: JsonOption = False,
+) -> None:
+    """The INS watched by SAHRS: false alarms, and how soon ramps and a frozen INS are told."""
+    from lodestar.studies.ins_monitor import ins_monitor_study
+    from lodestar.studies.ins_monitor_findings import findings, plots
+
+    _conduct(
+        ins_monitor_study(scenario or (), engine or (), form or ()),
         findings,
         plots,
         range(seed_first, seed_first + runs),

@@ -1,20 +1,18 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How the INS is watched by SAHRS: false alarms and detection over simulated flights.
+"""The study of the INS monitor: false alarms, and faults of the INS found in time.
 
-``python -m lodestar.studies.ins_monitor --runs N`` flies every scenario of SCENARIOS N times
-without a fault, counting alarms, and N_FAULTY times with an INS that fails again and again.
-Errors of the INS are small rotations about level axes, as in INS.MONITOR: along the heading, to its
-right, down; in level flight roll, pitch and heading.
+Cases are ``scenario/engine/working``, in which any alarm is false, and ``scenario/engine/failing``,
+in which the INS fails every two minutes, each time in another way, and works between. Errors of the
+INS are small rotations about level axes, as in INS.MONITOR: along the heading, to its right, down;
+in level flight roll, pitch and heading.
 """
 
 from __future__ import annotations
 
-import argparse
-import json
-import sys
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from math import inf, radians
+from functools import cached_property
+from math import inf, nan, radians
 from typing import Any
 
 import numpy as np
@@ -22,18 +20,26 @@ from numpy.typing import NDArray
 
 from lodestar import rotation
 from lodestar.harness.faults import Fault, inject
-from lodestar.harness.scenario import estimator_config, load_scenario, simulate
+from lodestar.harness.scenario import (
+    ENGINES,
+    Scenario,
+    estimator_config,
+    load_scenario,
+    simulate,
+)
 from lodestar.navigator import run
 from lodestar.recordings import Recording
 from lodestar.recordings.recording import Channel
+from lodestar.studies.campaign import Cell, Result
+from lodestar.studies.sahrs import AXES, FORMS, SCENARIOS, chosen, describe
 
-Row = dict[str, Any]
 Array = NDArray[np.float64]
 
-SCENARIOS = ("ordinary", "turbulence", "hard")
-N_FAULTY = 10
 RAMP_DEG_S = 0.5
-LIMITS_DEG = {"roll": 5.0, "pitch": 5.0, "heading": 10.0}
+KINDS = ("freeze", *(f"ramp-{axis}" for axis in AXES))
+ESTIMATORS = {"velocity": "ins-monitor", "paper": "ins-monitor-paper"}
+"""Name in rows by the form of SAHRS behind it."""
+
 _NO_INS, _MISCOMPARE = 0, 3
 _FIRST_FAULT_S, _BETWEEN_FAULTS_S, _FAULT_S = 150.0, 115.0, 60.0
 
@@ -59,17 +65,79 @@ class Detection:
     """Largest error of the INS until then, per axis."""
 
     @property
-    def name(self) -> str:
-        """Kind and field."""
+    def kind(self) -> str:
+        """One of KINDS."""
         return "-".join(filter(None, (self.fault.kind, self.fault.field)))
 
 
-def false_alarms(
-    scenario_name: str, seed: int, overrides: Mapping[str, Any] | None = None
-) -> Watched:
-    """Fly without a fault. ``overrides``: configuration of the flight computer, as tables."""
-    scenario = load_scenario(scenario_name)
-    flight = simulate(scenario, seed)
+@dataclass(frozen=True)
+class InsMonitorStudy:
+    """See campaign.Study."""
+
+    scenarios: tuple[Scenario, ...]
+    engines: tuple[str, ...] = ("profile",)
+    forms: tuple[str, ...] = tuple(FORMS)
+    name: str = "ins-monitor"
+
+    @cached_property
+    def variants(self) -> dict[Cell, tuple[Scenario, str, bool, str]]:
+        """Scenario, engine, whether the INS fails, and form, of every cell."""
+        return {
+            Cell(
+                f"{scenario.name}/{engine}",
+                f"{scenario.name}/{engine}/{'failing' if fails else 'working'}",
+                ESTIMATORS[form],
+            ): (scenario, engine, fails, form)
+            for scenario in self.scenarios
+            for engine in self.engines
+            for fails in (False, True)
+            for form in self.forms
+        }
+
+    @property
+    def cells(self) -> Sequence[Cell]:
+        """See campaign.Study."""
+        return tuple(self.variants)
+
+    def fly(self, cells: Sequence[Cell], seed: int) -> list[Result]:
+        """See campaign.Study."""
+        scenario, engine, _, _ = self.variants[cells[0]]
+        flight = simulate(scenario, seed, engine)
+        results = []
+        for cell in cells:
+            _, _, fails, form = self.variants[cell]
+            overrides = {"sahrs": {"form": form}}
+            figures = dict.fromkeys(_FIGURES, nan)
+            if fails:
+                figures |= _found(detection(scenario, flight, seed, overrides))
+            else:
+                figures |= _watched(false_alarms(scenario, flight, overrides))
+            results.append(Result(cell, seed, figures, {}))
+        return results
+
+    def inputs(self, flight: str) -> str:
+        """See campaign.Study."""
+        name, engine = flight.rsplit("/", 1)
+        (scenario,) = (one for one in self.scenarios if one.name == name)
+        return describe(scenario, engine)
+
+
+def ins_monitor_study(
+    scenarios: Sequence[str], engines: Sequence[str], forms: Sequence[str]
+) -> InsMonitorStudy:
+    """The study with these scenarios, engines (profile if none) and forms (all if none).
+
+    Raises InputError for one that does not exist.
+    """
+    return InsMonitorStudy(
+        tuple(load_scenario(name) for name in scenarios or SCENARIOS),
+        chosen("engine", engines or ("profile",), ENGINES),
+        chosen("form", forms, tuple(FORMS)),
+    )
+
+
+def false_alarms(scenario: Scenario, flight: Recording, overrides: Mapping[str, Any]) -> Watched:
+    """Watch a flight's own INS. ``overrides``: configuration of the flight computer, as tables."""
     monitor = run(flight, estimator_config(scenario, flight, overrides))["INS.MONITOR"]
     state, time_us = monitor["state"], monitor["time_us"]
     began = np.diff((state == _MISCOMPARE).astype(int), prepend=0) > 0
@@ -80,14 +148,12 @@ def false_alarms(
 
 
 def detection(
-    scenario_name: str, seed: int, overrides: Mapping[str, Any] | None = None
+    scenario: Scenario, flight: Recording, seed: int, overrides: Mapping[str, Any]
 ) -> list[Detection]:
-    """Fly with an INS that fails every two minutes, each time in another way, and works between.
+    """Watch the flight with an INS that fails again and again.
 
     Ramps of RAMP_DEG_S to either side in roll, pitch and heading, and frozen solutions.
     """
-    scenario = load_scenario(scenario_name)
-    flight = simulate(scenario, seed)
     faults = list(_faults(seed, scenario.duration_s))
     flown = inject(flight, faults, seed)
     monitor = run(flown, estimator_config(scenario, flight, overrides))["INS.MONITOR"]
@@ -97,16 +163,16 @@ def detection(
 
 def _faults(seed: int, duration_s: float) -> Iterator[Fault]:
     rng = np.random.default_rng(np.random.SeedSequence([seed, 5]))
-    ramps = [(field, side) for field in LIMITS_DEG for side in (-1, 1)]
-    kinds = [*ramps, ("", 0), ("", 0)]
+    kinds = [*((axis, side) for axis in AXES for side in (-1, 1)), ("", 0), ("", 0)]
     start = _FIRST_FAULT_S + rng.uniform(0.0, _BETWEEN_FAULTS_S)
-    while start + _FAULT_S < duration_s:
-        for field, side in rng.permutation(np.array(kinds, dtype=object)):
+    while True:
+        for number in rng.permutation(len(kinds)):
             if start + _FAULT_S >= duration_s:
                 return
-            if field:
+            axis, side = kinds[number]
+            if axis:
                 value = side * radians(RAMP_DEG_S)
-                yield Fault("ramp", "INS", start, _FAULT_S, field=field, value=value)
+                yield Fault("ramp", "INS", start, _FAULT_S, field=axis, value=value)
             else:
                 yield Fault("freeze", "INS", start, _FAULT_S)
             start += _BETWEEN_FAULTS_S
@@ -116,9 +182,8 @@ def _error(flight: Recording) -> tuple[NDArray[np.int64], Array]:
     """Time of the INS's solutions and their true errors (deg) about level axes, (n, 3)."""
     ins, truth = flight["INS"], flight["TRUTH"]
     row = np.searchsorted(truth["time_us"], ins["time_us"]).clip(0, len(truth["time_us"]) - 1)
-    angles = ("roll", "pitch", "heading")
-    C_ins = rotation.C_NB_from_euler(*(ins[name] for name in angles))
-    C_true = rotation.C_NB_from_euler(*(truth[name][row] for name in angles))
+    C_ins = rotation.C_NB_from_euler(*(ins[axis] for axis in AXES))
+    C_true = rotation.C_NB_from_euler(*(truth[axis][row] for axis in AXES))
     turn_N = rotation.log_so3(C_ins @ np.swapaxes(C_true, 1, 2))
     C_LN = np.swapaxes(rotation.rotation_z(truth["heading"][row]), 1, 2)
     return ins["time_us"], np.rad2deg((C_LN @ turn_N[..., None])[..., 0])
@@ -134,57 +199,25 @@ def _detected(fault: Fault, monitor: Channel, ins_us: NDArray[np.int64], error: 
     return Detection(fault, (told - start) * 1e-6, worst)
 
 
-def alarm_rows(case: str, flights: list[Watched]) -> Iterator[Row]:
-    """Hours flown, alarms, and how close the differences came to their thresholds."""
-    yield _row(case, "flown_hours", sum(flight.hours for flight in flights))
-    yield _row(case, "false_alarms", sum(flight.alarms for flight in flights), 0)
-    closest = np.max([flight.closest for flight in flights], axis=0)
-    for axis, part in zip(LIMITS_DEG, closest, strict=True):
-        yield _row(case, f"{axis}_max_of_threshold", float(part), 1)
+_OF_WORKING = ("hours", "alarms", *(f"closest_{axis}" for axis in AXES))
+_OF_KIND = ("faults", "undetected", "time_s", *(f"{axis}_deg" for axis in AXES))
+_FIGURES = (*_OF_WORKING, *(f"{kind}_{figure}" for kind in KINDS for figure in _OF_KIND))
 
 
-def detection_rows(case: str, detections: list[Detection]) -> Iterator[Row]:
-    """Per kind of fault: how many, how many unseen, the INS's error and the time at the alarm."""
-    for name in sorted({detection.name for detection in detections}):
-        found = [detection for detection in detections if detection.name == name]
-        label = f"{case}/{name}"
-        yield _row(label, "faults", len(found))
-        yield _row(label, "undetected", sum(d.time_s == inf for d in found), 0)
-        seen = [d.time_s for d in found if d.time_s < inf]
-        if seen:
-            yield _row(label, "time_to_alarm_max_s", max(seen))
-        error = np.array([detection.error_deg for detection in found])
-        for axis, (field, limit) in enumerate(LIMITS_DEG.items()):
-            if found[0].fault.field in ("", field):
-                yield _row(label, f"{field}_at_alarm_mean_deg", float(error[:, axis].mean()))
-                yield _row(label, f"{field}_at_alarm_max_deg", float(error[:, axis].max()), limit)
+def _watched(watched: Watched) -> dict[str, float]:
+    values = (watched.hours, float(watched.alarms), *map(float, watched.closest))
+    return dict(zip(_OF_WORKING, values, strict=True))
 
 
-def _row(case: str, metric: str, value: float, limit: float | None = None) -> Row:
-    row: Row = {"case": case, "estimator": "ins-monitor", "metric": metric, "value": value}
-    return row if limit is None else {**row, "limit": limit}
-
-
-def main() -> None:
-    """Fly, print a line per figure, or with --json one object."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--runs", type=int, default=4, help="faultless flights of each scenario")
-    parser.add_argument("--json", action="store_true", help="print one JSON object")
-    options = parser.parse_args()
-    rows: list[Row] = []
-    for name in SCENARIOS:
-        seeds = range(1, options.runs + 1)
-        rows += alarm_rows(name, [false_alarms(name, seed) for seed in seeds])
-        faulty = [d for seed in range(1, N_FAULTY + 1) for d in detection(name, seed)]
-        rows += detection_rows(name, faulty)
-    if options.json:
-        json.dump({"study": "ins-monitor", "runs": options.runs, "rows": rows}, sys.stdout)
-        print()
-        return
-    for row in rows:
-        limit = f"  (limit {row['limit']:g})" if "limit" in row else ""
-        print(f"{row['case']:26s} {row['metric']:28s} {row['value']:9.3f}{limit}")
-
-
-if __name__ == "__main__":
-    main()
+def _found(detections: Sequence[Detection]) -> dict[str, float]:
+    """Per kind of fault how many, how many unseen, and the worst of time and of each axis."""
+    figures: dict[str, float] = {}
+    for kind in KINDS:
+        of_kind = [one for one in detections if one.kind == kind]
+        seen = [one.time_s for one in of_kind if one.time_s < inf]
+        error = np.array([one.error_deg for one in of_kind]).reshape(-1, len(AXES))
+        worst = error.max(axis=0) if len(error) else np.full(len(AXES), nan)
+        values = (len(of_kind), len(of_kind) - len(seen), max(seen, default=nan), *worst)
+        names = (f"{kind}_{figure}" for figure in _OF_KIND)
+        figures |= dict(zip(names, map(float, values), strict=True))
+    return figures
