@@ -2,6 +2,7 @@
 #include <pybind11/eigen.h>
 #include <pybind11/pybind11.h>
 
+#include <optional>
 #include <string>
 
 #include "bindings.h"
@@ -18,10 +19,7 @@ namespace {
 
 using namespace sahrs::smdu;  // NOLINT: this file is about nothing else
 
-// An aircraft that is swung stands still at each heading: the INS may be this much older.
-constexpr std::int64_t kHeld_us = 200'000;
-
-/// All samples of INS and SMDU in order of time, the INS first where they are equal.
+/// All samples of INS and SMDU in order of time, the INS last where they are equal, as in flight.
 template <class OnIns, class OnSmdu>
 void merge(const py::dict& ins, const py::dict& smdu, OnIns on_ins, OnSmdu on_smdu) {
   const SampleRows<samples::InsSolution> solutions("INS", ins);
@@ -30,7 +28,7 @@ void merge(const py::dict& ins, const py::dict& smdu, OnIns on_ins, OnSmdu on_sm
   std::size_t next = 0;
   for (std::size_t i = 0; i < rows(fields); ++i) {
     const samples::MagneticField field = fields.at(i);
-    for (; next < rows(solutions) && solutions.at(next).time_us <= field.time_us; ++next) {
+    for (; next < rows(solutions) && solutions.at(next).time_us < field.time_us; ++next) {
       on_ins(solutions.at(next));
     }
     if (!samples::refusal(field)) on_smdu(field);
@@ -82,18 +80,24 @@ py::dict calibrate_ground(const std::string& config_text, const py::dict& ins,
   GroundSwing swing(config.smdu_ground_swing, config.smdu_calibration_filter);
   earth::GeomagneticModel model(config.earth.geomagnetic_model);
   InsHistory history;
+  std::optional<samples::MagneticField> waiting;  // for the INS to get to its time
   std::int64_t time_us = 0;
   merge(
       ins, smdu,
-      [&](const samples::InsSolution& solution) {
-        if (!samples::refusal(solution)) history.push(solution);
+      [&](const samples::InsSolution& at) {
+        if (samples::refusal(at)) return;
+        history.push(at);
+        Eigen::Matrix3d C_NB;
+        if (!waiting || waiting->time_us > at.time_us) return;
+        if (history.attitude_at(waiting->time_us, C_NB)) {
+          time_us = waiting->time_us;
+          swing.add(time_us, C_NB, waiting->b_B,
+                    model.field_N(at.lat, at.lon, at.h, config.earth.epoch_year));
+        }
+        waiting.reset();
       },
       [&](const samples::MagneticField& field) {
-        if (history.empty() || field.time_us - history.latest().time_us > kHeld_us) return;
-        const samples::InsSolution& at = history.latest();
-        swing.add(field.time_us, math::C_NB_from_euler({at.roll, at.pitch, at.heading}), field.b_B,
-                  model.field_N(at.lat, at.lon, at.h, config.earth.epoch_year));
-        time_us = field.time_us;
+        if (!waiting) waiting = field;
       });
   const SwingParameters& p = config.smdu_ground_swing;
   py::dict result = described(swing.calibration(), name(swing.verdict()), time_us, config);

@@ -365,7 +365,7 @@ def test_calibrate_tells_what_it_found_and_stores_only_what_is_good(lodestar, ru
     )
     assert (status, err) == (0, "")
     assert "verdict: good" in out
-    assert (tmp_path / "smdu.cal").stat().st_size == 780
+    assert (tmp_path / "smdu.cal").stat().st_size == 788
     status, _, err = lodestar("calibrate", log, "--ground", "--config", "lenient.toml")
     assert status == 1
     assert "too few headings" in one_line_error(err)

@@ -42,9 +42,8 @@ def test_it_is_what_the_flight_computer_publishes_at_the_end_of_the_flight(fligh
     assert np.all(np.diff(published["time_us"]) == 1_000_000)
     assert published["state"][0] == 0
     assert published["state"][-1] == 2
-    # The last second is not in it, and the INS came after the detector where times are equal.
-    assert np.all(np.abs(published["x"][-1] - result.x) < 0.5 * result.sigma)
-    np.testing.assert_allclose(published["sigma"][-1], result.sigma, rtol=0.02)
+    np.testing.assert_array_equal(published["x"][-1], result.x)
+    np.testing.assert_allclose(published["sigma"][-1], result.sigma)
 
 
 def test_a_short_and_a_straight_flight_are_refused_by_name(flight):

@@ -17,9 +17,11 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from lodestar import navigator
+from lodestar import navigator, rotation
+from lodestar.evaluation.metrics import rmse
 from lodestar.evaluation.score import score
 from lodestar.harness.scenario import Scenario, estimator_config, load_scenario, simulate
+from lodestar.recordings.recording import Recording
 from lodestar.simulation.sensor_errors import LASTING, WhiteNoise, measured, random_stream
 from lodestar.simulation.suites import SUITES
 from lodestar.studies import smdu_calibration
@@ -27,7 +29,9 @@ from lodestar.studies.smdu_calibration import Calibration
 
 Array = NDArray[np.float64]
 
-METRICS = ("roll_rmse_deg", "pitch_rmse_deg", "heading_rmse_deg", "coverage_1sigma_yaw_axis")
+EARLY = "early_heading_rmse_deg"
+METRICS = ("roll_rmse_deg", "pitch_rmse_deg", "heading_rmse_deg", EARLY, "coverage_1sigma_yaw_axis")
+_EARLY_S = (60.0, 300.0)
 
 
 @dataclass(frozen=True)
@@ -72,11 +76,22 @@ def fly_twice(scenario: Scenario, number: int) -> Pair:
         stored = path.read_bytes()
     rows = []
     for bytes_ in (b"", stored):
-        result = score(navigator.run(second, config, bytes_), case=scenario.name)
-        rows.append({name: result.value("sahrs", name) or np.nan for name in METRICS})
+        answered = navigator.run(second, config, bytes_)
+        result = score(answered, case=scenario.name)
+        row = {name: result.value("sahrs", name) or np.nan for name in METRICS}
+        rows.append(row | {EARLY: early_heading_rms(answered)})
     error = calibration.x - true_calibration(scenario)
     nees = float(error @ np.linalg.solve(calibration.P, error))
     return Pair(calibration, nees, rows[0], rows[1])
+
+
+def early_heading_rms(answered: Recording) -> float:
+    """Heading error of SAHRS in deg, rms over the beginning of the flight, where it is valid."""
+    sahrs, truth = answered["SAHRS"], answered["TRUTH"]
+    time_s = sahrs["time_us"] * 1e-6
+    rows = (time_s >= _EARLY_S[0]) & (time_s < _EARLY_S[1]) & sahrs["valid"]
+    true = truth["heading"][np.searchsorted(truth["time_us"], sahrs["time_us"][rows])]
+    return float(np.rad2deg(rmse(rotation.wrap_pi(sahrs["heading"][rows] - true))))
 
 
 def main() -> None:
@@ -90,7 +105,8 @@ def main() -> None:
     if given.cold:
         scenario = replace(scenario, initial_heading="cold")
     pairs = []
-    print("aircraft  NEES/12   roll, pitch, heading rms (deg), yaw within 1 sigma: without | with")
+    print("aircraft  NEES/12   rms of roll, pitch, heading, heading from 60 to 300 s (deg),")
+    print("                    share of yaw errors within 1 sigma: without | with")
     for number in range(1, given.aircraft + 1):
         pair = fly_twice(scenario, number)
         pairs.append(pair)
