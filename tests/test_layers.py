@@ -14,7 +14,7 @@ CPP_LAYERS = [
     {"earth", "filter"},
     {"strapdown"},
     {"sahrs", "fusion", "ahrs", "ins_gps_sar", "monitor"},
-    {"navigator"},
+    {"navigator", "storage"},
     {"bus", "bindings"},
     {"app"},
 ]

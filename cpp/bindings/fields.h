@@ -126,6 +126,14 @@ void fields(const samples::InsMonitor& s, Visit&& visit) {
   visit("state", static_cast<std::int8_t>(s.state));
 }
 
+template <class Visit>
+void fields(const samples::SmduCalibration& s, Visit&& visit) {
+  visit("time_us", s.time_us);
+  visit("x", s.x);
+  visit("sigma", s.sigma);
+  visit("state", static_cast<std::int8_t>(s.state));
+}
+
 /// The numbers of HEALTH that an in-process run has: those that no shell adds.
 template <class Visit>
 void fields(const samples::Health& s, Visit&& visit) {

@@ -6,8 +6,10 @@
 
 #include <functional>
 #include <string>
+#include <variant>
 
 #include "columns.h"
+#include "lodestar/storage/calibration_file.h"
 
 namespace lodestar::bindings {
 namespace {
@@ -23,6 +25,7 @@ struct Collected {
   SampleCollector<samples::Attitude> sahrs;
   SampleCollector<samples::Navigation> nav;
   SampleCollector<samples::InsMonitor> ins_monitor;
+  SampleCollector<samples::SmduCalibration> smdu_calibration;
   SampleCollector<samples::Health> health;
 };
 
@@ -41,7 +44,9 @@ Feed step_feed(Navigator& navigator, Collected& collected, const std::string& ch
     collected.sahrs.add(outputs->sahrs);
     collected.nav.add(outputs->nav);
     if (outputs->ins_monitor_due) collected.ins_monitor.add(outputs->ins_monitor);
-    if (outputs->health_due) collected.health.add(navigator.health());
+    if (!outputs->health_due) return;
+    collected.smdu_calibration.add(outputs->smdu_calibration);
+    collected.health.add(navigator.health());
   };
 }
 
@@ -56,17 +61,29 @@ Feed feed(Navigator& navigator, Collected& collected, const std::string& name,
   throw std::invalid_argument("channel " + name + ": not an input of an in-process run");
 }
 
+/// The bytes of a stored calibration, or a text (TOML); neither if empty.
+void use_calibration(navigator::Config& config, const std::string& bytes) {
+  if (bytes.empty()) return;
+  if (!storage::looks_like_calibration(bytes)) {
+    navigator::apply_calibration(config, bytes, "calibration");
+    return;
+  }
+  const auto decoded = sahrs::smdu::decode(bytes, config.airframe.id);
+  if (const auto* refusal = std::get_if<sahrs::smdu::Refusal>(&decoded)) {
+    throw navigator::ConfigError(std::string("calibration: ") + name(*refusal));
+  }
+  navigator::apply_calibration(config, std::get<sahrs::smdu::Record>(decoded));
+}
+
 /// Runs a whole recording through a fresh navigator, message by message in the given order.
-py::dict run(const std::string& config_text, const std::string& calibration_text,
+py::dict run(const std::string& config_text, const std::string& calibration,
              const py::dict& channels, const std::vector<std::string>& names,
              const Indices& channel, const Indices& row) {
   if (channel.size() != row.size()) throw std::invalid_argument("channel, row: lengths differ");
   const auto which = channel.unchecked<1>();
   const auto where = row.unchecked<1>();
   navigator::Config config = navigator::parse_config(config_text, "config");
-  if (!calibration_text.empty()) {
-    navigator::apply_calibration(config, calibration_text, "calibration");
-  }
+  use_calibration(config, calibration);
   Navigator navigator(config);
   Collected collected;
   std::vector<Feed> feeds;
@@ -88,6 +105,7 @@ py::dict run(const std::string& config_text, const std::string& calibration_text
   result["SAHRS"] = collected.sahrs.arrays();
   result["NAV"] = collected.nav.arrays();
   result["INS.MONITOR"] = collected.ins_monitor.arrays();
+  result["SMDU.CALIBRATION"] = collected.smdu_calibration.arrays();
   result["HEALTH"] = collected.health.arrays();
   return result;
 }
@@ -96,7 +114,7 @@ py::dict run(const std::string& config_text, const std::string& calibration_text
 
 void bind_navigator(py::module_& module) {
   py::register_exception<navigator::ConfigError>(module, "ConfigError", PyExc_ValueError);
-  module.def("run", &run, py::arg("config_text"), py::arg("calibration_text"), py::arg("channels"),
+  module.def("run", &run, py::arg("config_text"), py::arg("calibration"), py::arg("channels"),
              py::arg("names"), py::arg("channel"), py::arg("row"),
              "Run a recording through a fresh Navigator; see lodestar.navigator.run.");
   module.def("parameter_table", &navigator::parameter_table,

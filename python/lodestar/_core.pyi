@@ -61,7 +61,7 @@ def parameter_table() -> str:
 
 def run(
     config_text: str,
-    calibration_text: str,
+    calibration: str | bytes,
     channels: dict[str, dict[str, NDArray[Any]]],
     names: list[str],
     channel: NDArray[np.int64],
@@ -71,4 +71,41 @@ def run(
 
     Message i is row `row[i]` of `channels[names[channel[i]]]`. ConfigError for a bad configuration,
     ValueError for arrays that are not those of the channel. See lodestar.navigator.run.
+    """
+
+class StorageError(OSError):
+    """A calibration file cannot be read, written or used: one line with its path and why."""
+
+def calibrate_flight(
+    config_text: str, ins: dict[str, NDArray[Any]], smdu: dict[str, NDArray[Any]]
+) -> dict[str, Any]:
+    """Calibrate SMDU by INS with the flight computer's filter; arrays are a recording's channels.
+
+    The answer has x (12,), P (12, 12), verdict (text), checks (name: (value, limit)), time_us,
+    epoch_year and airframe. ConfigError for a bad configuration, ValueError for bad arrays.
+    """
+
+def calibrate_ground(
+    config_text: str, ins: dict[str, NDArray[Any]], smdu: dict[str, NDArray[Any]]
+) -> dict[str, Any]:
+    """Calibrate bias and a common scale by a swing on the ground; answers as calibrate_flight."""
+
+def store_calibration(
+    path: str,
+    airframe: str,
+    time_us: int,
+    epoch_year: float,
+    ground: bool,
+    x: NDArray[np.float64],
+    P: NDArray[np.float64],
+) -> None:
+    """Store a calibration for lodestar-fc --calibration; the one before is kept.
+
+    StorageError where it cannot be written.
+    """
+
+def load_calibration(path: str, airframe: str) -> dict[str, Any] | None:
+    """A stored calibration: x, P, airframe, time_us, epoch_year, source, note. None: not there yet.
+
+    StorageError if it, and the one before, are refused.
     """

@@ -15,10 +15,11 @@ from lodestar.recordings.recording import Recording
 _ESTIMATED = ("EFCS.RATES", "EFCS.LOAD_FACTOR", "SMDU", "ADC", "GPS", "INS")
 
 
-def run(recording: Recording, config: str = "", calibration: str = "") -> Recording:
+def run(recording: Recording, config: str = "", calibration: str | bytes = "") -> Recording:
     """Run ``recording`` through a fresh navigator; return its inputs and the answers.
 
-    ``config`` and ``calibration`` are TOML texts, as ``lodestar-fc`` reads them from files.
+    ``config`` and ``calibration`` are what ``lodestar-fc`` reads from files: TOML texts, and for
+    the calibration also the bytes of a stored one.
     Raises InputError for a bad configuration or a recording without body rates.
     """
     inputs = recording.subset(INPUTS)

@@ -4,8 +4,10 @@
 
 #include <Eigen/Core>
 #include <cerrno>
+#include <cmath>
 #include <cstddef>
 #include <cstdlib>
+#include <lodestar/ins_solution_t.hpp>
 #include <vector>
 
 #include "level_flight.h"
@@ -96,6 +98,9 @@ class FlightPath : public Sink {
     reporter_.watch(health, 0);
     ++healths;
   }
+  navigator::CalibrationResult calibration() const {
+    return session_.navigator().calibration_result();
+  }
   int frames = 0;
   int sent = 0;
   int healths = 0;
@@ -116,7 +121,26 @@ TEST_F(Allocation, DoesNotHappenInTheFramePath) {
   EXPECT_EQ(path.frames, 600);
   EXPECT_EQ(path.healths, 10);
   const int monitors = 10 * 10 + 1;  // one more when there is an attitude to compare with
-  EXPECT_EQ(path.sent, 2 * path.frames + monitors + path.healths);
+  EXPECT_EQ(path.sent, 2 * path.frames + monitors + 2 * path.healths);
+}
+
+TEST_F(Allocation, DoesNotHappenWhileTheInsCalibratesTheDetector) {
+  std::vector<Sent> flight;
+  for (const Sent& message : level_flight(10)) {
+    if (message.channel == samples::Channel::kBodyRates) {
+      const double ripple = 1e-5 * std::sin(1e-5 * static_cast<double>(message.time_us));
+      flight.push_back(sent(
+          samples::Channel::kIns,
+          ins_solution_t{
+              message.time_us, ripple, 0.0, 0.08, 1.0036, 0.28, 5000.0, {200.0, 0.0, 0.0}, 1}));
+    }
+    flight.push_back(message);
+  }
+  FlightPath path;
+  const std::size_t before = allocations;
+  for (const Sent& message : flight) path.receive(message);
+  EXPECT_EQ(allocations, before);
+  EXPECT_GT(path.calibration().checks.duration, 8.0);
 }
 
 TEST_F(Allocation, DoesNotHappenWhenTheTimeBaseJumps) {

@@ -9,6 +9,9 @@
 #include <string>
 #include <vector>
 
+#include "lodestar/app/calibration.h"
+#include "lodestar/storage/calibration_file.h"
+
 namespace lodestar::app {
 namespace {
 
@@ -92,6 +95,41 @@ TEST_F(Files, OfConfigurationAndCalibrationAreRead) {
   const navigator::Config config = load_config(options);
   EXPECT_EQ(config.earth.epoch_year, 2027.25);
   EXPECT_EQ(config.smdu_calibration.bias, Eigen::Vector3d(10.0, 20.0, 30.0));
+}
+
+/// What an earlier flight of the aircraft without a name has stored.
+sahrs::smdu::Record stored(double bias) {
+  sahrs::smdu::Record record;
+  record.calibration.x(0) = bias;
+  record.calibration.P.diagonal().setConstant(1e-6);
+  return record;
+}
+
+TEST_F(Files, OfAStoredCalibrationAreUsedFromTheNextFlightOn) {
+  const std::string path = write("lodestar_stored.cal", "");
+  std::filesystem::remove(path);
+  Options options;
+  options.calibration = path;
+  EXPECT_TRUE(load_config(options).smdu_calibration.bias.isZero(0.0));  // not there yet
+  keep_calibration({sahrs::smdu::Verdict::kTooShort, {}, stored(10.0)}, path);
+  EXPECT_FALSE(std::filesystem::exists(path));
+  keep_calibration({sahrs::smdu::Verdict::kGood, {}, stored(20.0)}, path);
+  EXPECT_EQ(load_config(options).smdu_calibration.bias.x(), 20.0);
+  EXPECT_TRUE(load_config(options).smdu_calibration.bias_sigma);
+  options.config = write("lodestar_airframe.toml", "[airframe]\nid = \"39-102\"\n");
+  EXPECT_EQ(error_of(options), path + ": of another airframe than '39-102'");
+}
+
+TEST_F(Files, OfATextAreAPersonsOwn) {
+  const char* text = "[smdu_calibration]\nbias_nT = [10.0, 20.0, 30.0]\n";
+  const std::string path = write("lodestar_own.toml", text);
+  keep_calibration({sahrs::smdu::Verdict::kGood, {}, stored(20.0)}, path);
+  EXPECT_EQ(storage::read_file(path), text);
+  Options options;
+  options.calibration = "/no/such/smdu.toml";
+  EXPECT_EQ(error_of(options), "cannot read /no/such/smdu.toml: No such file or directory");
+  options.calibration = "/no/such/smdu.cal";
+  EXPECT_EQ(error_of(options), "cannot store a calibration in /no/such: No such file or directory");
 }
 
 TEST_F(Files, MayBeEmpty) {

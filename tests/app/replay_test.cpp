@@ -35,7 +35,7 @@ class Replay : public testing::Test {
   }
   ~Replay() override { std::filesystem::remove_all(folder_); }
 
-  ReplayCount run(const std::string& output) {
+  Replayed run(const std::string& output) {
     return replay(navigator::Config{}, input_, output, stop_);
   }
 
@@ -61,7 +61,7 @@ class Replay : public testing::Test {
 };
 
 TEST_F(Replay, AnswersEveryFrameWithTheTimeStampOfItsTrigger) {
-  const ReplayCount count = run(output_);
+  const Replayed count = run(output_);
   EXPECT_EQ(count.frames, 300);
   EXPECT_EQ(count.messages, 300 + 300 + 3 * 150 + 5);
   bus::LogReader reader(output_);
@@ -143,7 +143,7 @@ TEST_F(Replay, KeepsWhatWasDoneWhenAskedToStop) {
     writer.close();
   }
   kill(getpid(), SIGTERM);
-  const ReplayCount count = run(output_);
+  const Replayed count = run(output_);
   EXPECT_GT(count.frames, 0);
   EXPECT_LT(count.frames, 3600);
   std::int64_t attitudes = 0;

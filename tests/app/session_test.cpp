@@ -54,7 +54,7 @@ TEST_F(SessionTest, AnswersEachBodyRateWithAttitudeThenNavigationAndNowAndThenMo
     EXPECT_EQ(outputs->nav.time_us, message.time_us);
     std::vector<std::string> expected = {"SAHRS", "NAV"};
     if (frames % 6 == 0) expected.push_back("INS.MONITOR");
-    if (frames % 60 == 0) expected.push_back("HEALTH");
+    if (frames % 60 == 0) expected.insert(expected.end(), {"SMDU.CALIBRATION", "HEALTH"});
     EXPECT_EQ(record_.channels, expected) << frames;
     ++frames;
   }

@@ -9,6 +9,7 @@
 #include <lodestar/health_t.hpp>
 #include <lodestar/ins_monitor_t.hpp>
 #include <lodestar/navigation_t.hpp>
+#include <lodestar/smdu_calibration_t.hpp>
 #include <optional>
 #include <string>
 
@@ -401,6 +402,25 @@ TEST(Codec, PublishesEveryFieldOfHealth) {
   EXPECT_EQ(m.log_dropped, 3);
   EXPECT_EQ(m.warning, 2);
   EXPECT_STREQ(reinterpret_cast<const char*>(m.build_version), "0.1");
+}
+
+TEST(Codec, WritesEveryFieldOfACalibration) {
+  samples::SmduCalibration s;
+  s.time_us = 80;
+  for (int i = 0; i < 12; ++i) {
+    s.x(i) = 100.0 + i;
+    s.sigma(i) = 200.0 + i;
+  }
+  s.state = samples::CalibrationState::kRefused;
+  Message message;
+  encode(s, message);
+  const auto m = read_back<smdu_calibration_t>(message);
+  EXPECT_EQ(m.time_us, 80);
+  for (int i = 0; i < 12; ++i) {
+    EXPECT_EQ(m.x[i], 100.0 + i);
+    EXPECT_EQ(m.sigma[i], 200.0 + i);
+  }
+  EXPECT_EQ(m.state, 3);
 }
 
 }  // namespace

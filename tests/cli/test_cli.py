@@ -346,3 +346,26 @@ def test_spy_without_java_says_what_to_install(lodestar, monkeypatch, tmp_path):
     status, _, err = lodestar("spy", "--build-only")
     assert status == 2
     assert "apt install default-jdk" in one_line_error(err)
+
+
+def test_calibrate_tells_what_it_found_and_stores_only_what_is_good(lodestar, run_folder, tmp_path):
+    log = run_folder[0] / "flight.lcm"
+    status, out, err = lodestar("calibrate", log, "-o", "smdu.cal")
+    assert status == 1
+    assert one_line_error(err).endswith("flight.lcm: too short; nothing is stored")
+    assert "verdict: too short" in out
+    assert "bias x" in out
+    assert not (tmp_path / "smdu.cal").exists()
+    (tmp_path / "lenient.toml").write_text(
+        "[earth]\nepoch_year = 2026.5\n"
+        "[smdu_calibration_filter]\nmin_duration_s = 60\nmin_observability = 0\n"
+    )
+    status, out, err = lodestar(
+        "calibrate", log, "--config", "lenient.toml", "-o", "smdu.cal", "--from", "10"
+    )
+    assert (status, err) == (0, "")
+    assert "verdict: good" in out
+    assert (tmp_path / "smdu.cal").stat().st_size == 788
+    status, _, err = lodestar("calibrate", log, "--ground", "--config", "lenient.toml")
+    assert status == 1
+    assert "too few headings" in one_line_error(err)

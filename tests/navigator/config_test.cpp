@@ -43,6 +43,17 @@ matrix = [[1, 0.1, 0], [0, 1, 0], [0, 0, 0.9]]
   EXPECT_EQ(config.smdu_calibration.matrix(1, 0), 0.0);
 }
 
+TEST(Config, ReadsTheIdOfTheAirframe) {
+  EXPECT_EQ(parse_config("", "own.toml").airframe.id, "");
+  EXPECT_EQ(parse_config("[airframe]\nid = \"39-101\"\n", "own.toml").airframe.id, "39-101");
+  const std::string allowed = "must be a text of at most 31 ASCII characters";
+  for (const char* value : {"39", "\"0123456789012345678901234567890123\"", "\"\u00e4\""}) {
+    EXPECT_NE(complaint(std::string("[airframe]\nid = ") + value + "\n").find(allowed),
+              std::string::npos)
+        << value;
+  }
+}
+
 TEST(Config, AnUnknownKeyIsNamedWithFileLineAndWhatIsAllowed) {
   EXPECT_EQ(complaint("\n[earth]\nepoch = 2026.0\n"),
             "own.toml:3: earth.epoch: unknown key; allowed here: epoch_year, geomagnetic_model");

@@ -237,3 +237,16 @@ def test_uav_suite_flies_at_constant_alpha():
     seconds = (len(flight.time_us) - 1) / 250
     assert len(channels["GPS"]["time_us"]) == int(5 * seconds) + 1
     assert len(channels["ADC"]["time_us"]) == int(10 * seconds) + 1
+
+
+def test_an_aircraft_keeps_the_lasting_errors_of_its_detector_from_flight_to_flight(flight):
+    def mean_field(seed, airframe_seed):
+        channels = sense(
+            flight, GRIPEN, GpsService(), calibrated=False, seed=seed, airframe_seed=airframe_seed
+        )
+        return np.mean(channels["SMDU"]["b_B"], axis=0)
+
+    # Two flights differ by their slow errors, 60 nT each; two aircraft by their biases, 500 nT.
+    assert np.abs(mean_field(1, 9) - mean_field(2, 9)).max() < 300
+    assert np.abs(mean_field(1, 9) - mean_field(1, 10)).max() > 300
+    assert np.array_equal(mean_field(1, None), mean_field(1, 1))

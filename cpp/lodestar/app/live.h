@@ -27,6 +27,9 @@ class Live : private bus::Receiver, private Sink {
   void run(const StopSignals& stop);
 
   std::int64_t frames() const { return frames_; }
+  navigator::CalibrationResult calibration_result() const {
+    return session_.navigator().calibration_result();
+  }
 
  private:
   void receive(samples::Channel channel, const void* data, std::size_t size) override;

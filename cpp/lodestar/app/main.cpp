@@ -8,6 +8,7 @@
 #include <string>
 #include <variant>
 
+#include "lodestar/app/calibration.h"
 #include "lodestar/app/live.h"
 #include "lodestar/app/options.h"
 #include "lodestar/app/replay.h"
@@ -20,10 +21,11 @@ using namespace lodestar;  // NOLINT: the program itself
 void run_replay(const app::Options& options, const app::StopSignals& stop) {
   const auto start = std::chrono::steady_clock::now();
   const navigator::Config config = app::load_config(options);
-  const app::ReplayCount count = app::replay(config, options.replay, options.output, stop);
+  const app::Replayed count = app::replay(config, options.replay, options.output, stop);
   const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - start;
   spdlog::info("{} messages, {} frames in {:.2f} s -> {}", count.messages, count.frames,
                taken.count(), options.output);
+  app::keep_calibration(count.calibration, options.calibration);
 }
 
 void run_live(const app::Options& options, const app::StopSignals& stop) {
@@ -31,6 +33,7 @@ void run_live(const app::Options& options, const app::StopSignals& stop) {
   spdlog::info("lodestar-fc {} on {}", app::version(), options.lcm_url);
   live.run(stop);
   spdlog::info("stopped after {} frames", live.frames());
+  app::keep_calibration(live.calibration_result(), options.calibration);
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include <cstring>
 #include <stdexcept>
 
+#include "lodestar/app/calibration.h"
 #include "lodestar/bus/bus.h"
 #include "lodestar/bus/log_reader.h"
 
@@ -38,7 +39,8 @@ std::variant<Options, int> parse_options(int argc, const char* const* argv) {
   CLI::App app{"Flight computer for synthetic attitude, heading and navigation"};
   app.add_option("--config", options.config, "Configuration; without it the built-in defaults");
   app.add_option("--calibration", options.calibration,
-                 "File with a section [smdu_calibration] that replaces the configuration's");
+                 "The SMDU's calibration: used, and replaced after a good flight; or a TOML file "
+                 "with a section [smdu_calibration], which is only used");
   app.add_option("--lcm-url", options.lcm_url, "Bus of the live inputs and outputs")
       ->envname("LCM_DEFAULT_URL")
       ->capture_default_str();
@@ -72,9 +74,7 @@ navigator::Config load_config(const Options& options) {
   if (!options.config.empty()) {
     config = navigator::parse_config(read_file(options.config), options.config);
   }
-  if (!options.calibration.empty()) {
-    navigator::apply_calibration(config, read_file(options.calibration), options.calibration);
-  }
+  use_calibration(config, options.calibration);
   return config;
 }
 

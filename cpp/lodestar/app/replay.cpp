@@ -47,8 +47,8 @@ void check(bus::LogReader& reader, const std::string& path) {
 
 }  // namespace
 
-ReplayCount replay(const navigator::Config& config, const std::string& input,
-                   const std::string& output, const StopSignals& stop) {
+Replayed replay(const navigator::Config& config, const std::string& input,
+                const std::string& output, const StopSignals& stop) {
   bus::LogReader reader(input);
   check(reader, input);
   std::error_code ignored;
@@ -57,7 +57,7 @@ ReplayCount replay(const navigator::Config& config, const std::string& input,
   }
   LogSink sink(output);
   Session session(config, sink);
-  ReplayCount count;
+  Replayed count;
   for (bus::LogEvent event; reader.next(event);) {
     const std::optional<samples::Channel> channel = bus::input_channel(event.channel);
     if (!channel) continue;
@@ -66,6 +66,7 @@ ReplayCount replay(const navigator::Config& config, const std::string& input,
     if (++count.messages % kMessagesBetweenLooks == 0 && stop.requested()) break;
   }
   sink.close();
+  count.calibration = session.navigator().calibration_result();
   return count;
 }
 

@@ -5,13 +5,14 @@
 #include <string>
 
 #include "lodestar/app/stop_signals.h"
-#include "lodestar/navigator/config.h"
+#include "lodestar/navigator/navigator.h"
 
 namespace lodestar::app {
 
-struct ReplayCount {
+struct Replayed {
   std::int64_t messages = 0;  // of input channels
   std::int64_t frames = 0;
+  navigator::CalibrationResult calibration{};
 };
 
 /// Runs the input channels of the LCM log `input`, in the order of the file, through a session and
@@ -21,7 +22,7 @@ struct ReplayCount {
 ///
 /// Throws bus::LogError, before `output` is touched, if `input` is damaged or has no EFCS.RATES.
 /// A signal ends it early, with what was done until then in `output`.
-ReplayCount replay(const navigator::Config& config, const std::string& input,
-                   const std::string& output, const StopSignals& stop);
+Replayed replay(const navigator::Config& config, const std::string& input,
+                const std::string& output, const StopSignals& stop);
 
 }  // namespace lodestar::app

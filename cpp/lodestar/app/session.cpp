@@ -33,7 +33,10 @@ const navigator::Outputs* Session::step(const samples::BodyRates& rates) {
   send(bus::kSahrs, outputs->sahrs);
   send(bus::kNav, outputs->nav);
   if (outputs->ins_monitor_due) send(bus::kInsMonitor, outputs->ins_monitor);
-  if (outputs->health_due) send_health();
+  if (outputs->health_due) {
+    send(bus::kSmduCalibration, outputs->smdu_calibration);
+    send_health();
+  }
   return outputs;
 }
 

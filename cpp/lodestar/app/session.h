@@ -24,8 +24,11 @@ class Session {
   Session(const navigator::Config& config, Sink& sink) : navigator_(config), sink_(sink) {}
 
   /// One message of an input channel. EFCS.RATES sends SAHRS and NAV before this returns, and
-  /// HEALTH when it is due. The outputs of the frame if there was one, valid until the next call.
+  /// SMDU.CALIBRATION and HEALTH when they are due. The outputs of the frame if there was one,
+  /// valid until the next call.
   const navigator::Outputs* receive(samples::Channel channel, const void* data, std::size_t size);
+
+  const navigator::Navigator& navigator() const { return navigator_; }
 
   /// HEALTH as it stands.
   void send_health();

@@ -20,6 +20,7 @@ inline constexpr std::array<const char*, samples::kChannels> kInputNames = {
 inline constexpr const char* kSahrs = "SAHRS";
 inline constexpr const char* kNav = "NAV";
 inline constexpr const char* kInsMonitor = "INS.MONITOR";
+inline constexpr const char* kSmduCalibration = "SMDU.CALIBRATION";
 inline constexpr const char* kHealth = "HEALTH";
 
 constexpr const char* name(samples::Channel channel) {

@@ -15,6 +15,7 @@
 #include <lodestar/navigation_t.hpp>
 #include <lodestar/radar_altitude_t.hpp>
 #include <lodestar/sar_measurement_t.hpp>
+#include <lodestar/smdu_calibration_t.hpp>
 #include <lodestar/specific_force_t.hpp>
 
 namespace lodestar::bus {
@@ -247,6 +248,15 @@ void encode(const samples::InsMonitor& s, Message& message) noexcept {
   store(s.difference, m.difference);
   store(s.threshold, m.threshold);
   store(s.time_over, m.time_over);
+  m.state = static_cast<std::int8_t>(s.state);
+  write(m, message);
+}
+
+void encode(const samples::SmduCalibration& s, Message& message) noexcept {
+  smdu_calibration_t m{};
+  m.time_us = s.time_us;
+  store(s.x, m.x);
+  store(s.sigma, m.sigma);
   m.state = static_cast<std::int8_t>(s.state);
   write(m, message);
 }

@@ -34,10 +34,11 @@ struct Message {
   std::size_t size = 0;
 };
 
-// Encode without allocation: SAHRS, NAV, INS.MONITOR, HEALTH.
+// Encode without allocation: SAHRS, NAV, INS.MONITOR, SMDU.CALIBRATION, HEALTH.
 void encode(const samples::Attitude& sample, Message& message) noexcept;
 void encode(const samples::Navigation& sample, Message& message) noexcept;
 void encode(const samples::InsMonitor& sample, Message& message) noexcept;
+void encode(const samples::SmduCalibration& sample, Message& message) noexcept;
 void encode(const samples::Health& sample, Message& message) noexcept;
 
 }  // namespace lodestar::bus

@@ -26,6 +26,13 @@ struct Parameter {
   double scale = 1.0;   // member = scale * key
 };
 
+/// A parameter that is a text of printable ASCII characters; the member is a std::string.
+struct Text {
+  const char* key;
+  std::size_t longest;  // characters
+  const char* summary;
+};
+
 /// A parameter that is one of a few names; the member is an enum whose values index `names`.
 struct Choice {
   const char* key;

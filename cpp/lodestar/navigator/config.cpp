@@ -2,7 +2,9 @@
 #include "lodestar/navigator/config.h"
 
 #include <toml++/toml.h>
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstring>
 #include <map>
 #include <set>
@@ -67,6 +69,19 @@ class SectionReader {
     if (node == nullptr) return;
     if (!node->is_boolean()) complain(*node, p.key, "must be true or false");
     member = node->value<bool>().value();
+  }
+
+  void operator()(std::string& member, const math::Text& text) {
+    const toml::node* node = find(text.key);
+    if (node == nullptr) return;
+    const std::optional<std::string> value = node->value<std::string>();
+    const auto printable = [](char c) { return c >= ' ' && c <= '~'; };
+    if (!node->is_string() || value->size() > text.longest ||
+        !std::all_of(value->begin(), value->end(), printable)) {
+      complain(*node, text.key,
+               "must be a text of at most " + std::to_string(text.longest) + " ASCII characters");
+    }
+    member = *value;
   }
 
   template <int Rows, int Columns>
@@ -195,6 +210,10 @@ struct TableWriter {
   void operator()(const int& member, const math::Parameter& p) const {
     numeric(p, std::to_string(member));
   }
+  void operator()(const std::string& member, const math::Text& text) const {
+    row(text.key, member.empty() ? "empty" : "`" + member + "`", "-",
+        "at most " + std::to_string(text.longest) + " characters", text.summary);
+  }
   void operator()(const bool& member, const math::Parameter& p) const {
     row(p.key, member ? "true" : "false", p.unit, "true, false", p.summary);
   }
@@ -261,6 +280,15 @@ void apply_calibration(Config& config, std::string_view text, const std::string&
   SectionReader reader(*table, "smdu_calibration", source);
   sahrs::FieldCalibration::describe(config.smdu_calibration, reader);
   reader.refuse_unknown();
+}
+
+void apply_calibration(Config& config, const sahrs::smdu::Record& record) {
+  const sahrs::smdu::Calibration& stored = record.calibration;
+  const sahrs::smdu::Spread spread = sahrs::smdu::spread(stored.P);
+  const sahrs::smdu::FilterParameters& change = config.smdu_calibration_filter;
+  config.smdu_calibration = {stored.matrix(), stored.bias(),
+                             std::hypot(spread.bias, change.change_bias_sigma),
+                             std::hypot(spread.matrix, change.change_matrix_sigma)};
 }
 
 std::string parameter_table() {

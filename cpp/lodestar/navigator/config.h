@@ -12,10 +12,24 @@
 #include "lodestar/math/parameter.h"
 #include "lodestar/math/rotation.h"
 #include "lodestar/monitor/parameters.h"
+#include "lodestar/sahrs/calibration_record.h"
+#include "lodestar/sahrs/ground_swing.h"
 #include "lodestar/sahrs/parameters.h"
+#include "lodestar/sahrs/smdu_calibration.h"
 #include "lodestar/strapdown/parameters.h"
 
 namespace lodestar::navigator {
+
+/// [airframe]
+struct AirframeParameters {
+  std::string id;
+
+  template <class Self, class Visitor>
+  static void describe(Self& self, Visitor&& visit) {
+    visit(self.id, {"id", sahrs::smdu::kLongestAirframe,
+                    "Name of this very aircraft; a stored calibration belongs to one"});
+  }
+};
 
 /// [earth]
 struct EarthParameters {
@@ -97,10 +111,13 @@ struct TimeoutParameters {
 
 /// Everything a person may set: one member per section of the configuration file.
 struct Config {
+  AirframeParameters airframe;
   EarthParameters earth;
   InitialParameters initial;
   TimeoutParameters timeout;
   sahrs::FieldCalibration smdu_calibration;
+  sahrs::smdu::FilterParameters smdu_calibration_filter;
+  sahrs::smdu::SwingParameters smdu_ground_swing;
   sahrs::Parameters sahrs;
   strapdown::Parameters strapdown;
   fusion::CascadeParameters cascade;
@@ -110,10 +127,13 @@ struct Config {
   /// Calls `section(name, parameters)` for each section, in the order of the docs.
   template <class Self, class Section>
   static void describe(Self& self, Section&& section) {
+    section("airframe", self.airframe);
     section("earth", self.earth);
     section("initial", self.initial);
     section("timeout", self.timeout);
     section("smdu_calibration", self.smdu_calibration);
+    section("smdu_calibration_filter", self.smdu_calibration_filter);
+    section("smdu_ground_swing", self.smdu_ground_swing);
     section("sahrs", self.sahrs);
     section("strapdown", self.strapdown);
     section("fusion.cascade", self.cascade);
@@ -134,6 +154,10 @@ Config parse_config(std::string_view text, const std::string& source);
 /// Reads the section [smdu_calibration] of `text` over `config` and leaves the rest as it is.
 /// Throws ConfigError as parse_config does, and for any other section.
 void apply_calibration(Config& config, std::string_view text, const std::string& source);
+
+/// Puts a stored calibration in the place of the configuration's, with its sigma and what may have
+/// changed since.
+void apply_calibration(Config& config, const sahrs::smdu::Record& record);
 
 /// The table of all parameters, in Markdown: section, key, default, unit, range, meaning.
 std::string parameter_table();

@@ -14,11 +14,25 @@ namespace {
 constexpr std::int64_t kMonitorStep = kSecond / 10;  // between two INS.MONITOR
 
 sahrs::Sahrs make_sahrs(const Config& config) {
-  sahrs::Sahrs sahrs(config.sahrs, config.strapdown, config.smdu_calibration,
-                     config.earth.geomagnetic_model, config.earth.epoch_year);
+  sahrs::Parameters paper = config.sahrs;
+  strapdown::Parameters velocity = config.strapdown;
+  const sahrs::FieldCalibration& calibration = config.smdu_calibration;
+  if (calibration.bias_sigma) {
+    paper.field_bias.sigma = velocity.field_bias_sigma = *calibration.bias_sigma;
+  }
+  if (calibration.matrix_sigma) {
+    paper.field_matrix_sigma = velocity.field_matrix_sigma = *calibration.matrix_sigma;
+  }
+  sahrs::Sahrs sahrs(paper, velocity, calibration, config.earth.geomagnetic_model,
+                     config.earth.epoch_year);
   const InitialParameters& initial = config.initial;
   sahrs.set_position(initial.lat, initial.lon, initial.h);
   return sahrs;
+}
+
+sahrs::smdu::CalibrationFilter make_calibration(const Config& config) {
+  return sahrs::smdu::CalibrationFilter(config.smdu_calibration_filter,
+                                        config.earth.geomagnetic_model, config.earth.epoch_year);
 }
 
 fusion::Cascade make_cascade(const Config& config) {
@@ -41,6 +55,7 @@ Navigator::Navigator(const Config& config)
       field_model_(config.earth.geomagnetic_model),
       sahrs_(make_sahrs(config)),
       cascade_(make_cascade(config)),
+      calibration_(make_calibration(config)),
       ins_monitor_(config.ins_monitor, config.timeout.ins),
       body_rates_(config.timeout.body_rates),
       inputs_({Channel::kLoadFactor, config.timeout.load_factor},
@@ -75,7 +90,14 @@ void Navigator::offer(const samples::LoadFactor& s) { hold(std::get<0>(inputs_),
 void Navigator::offer(const samples::MagneticField& s) { hold(std::get<1>(inputs_), s); }
 void Navigator::offer(const samples::AirData& s) { hold(std::get<2>(inputs_), s); }
 void Navigator::offer(const samples::GpsFix& s) { hold(std::get<3>(inputs_), s); }
-void Navigator::offer(const samples::InsSolution& s) { hold(std::get<4>(inputs_), s); }
+
+void Navigator::offer(const samples::InsSolution& s) {
+  auto& input = std::get<4>(inputs_);
+  hold(input, s);
+  if (!s.valid || input.watch.state(clock_.now()) == samples::SensorState::kStuck) {
+    calibration_.fail_ins();
+  }
+}
 
 void Navigator::offer(const samples::SpecificForce& s) {
   accept(specific_force_, Channel::kSpecificForce, s);
@@ -132,6 +154,7 @@ void Navigator::start_over() {
   restarts_ = static_cast<std::int16_t>(outputs_.sahrs.reset_count + 1);
   sahrs_ = make_sahrs(config_);
   cascade_ = make_cascade(config_);
+  calibration_ = make_calibration(config_);
   ins_monitor_ = monitor::InsMonitor(config_.ins_monitor, config_.timeout.ins);
   body_rates_.restart();
   const auto restart = [](auto& input) {
@@ -210,6 +233,11 @@ void Navigator::apply_front(AnyInput& input) {
   input.pending.pop();
 }
 
+Use Navigator::apply(const samples::MagneticField& sample) {
+  calibration_.update(sample);
+  return sahrs_.update(sample);
+}
+
 Use Navigator::apply(const samples::AirData& sample) {
   cascade_.update(sample);
   return sahrs_.update(sample);
@@ -218,6 +246,7 @@ Use Navigator::apply(const samples::AirData& sample) {
 // Never an input of SAHRS: who watches the INS, or learns from it for the next flight, takes it
 // here.
 Use Navigator::apply(const samples::InsSolution& sample) {
+  calibration_.update(sample);
   ins_monitor_.compare(sample);
   return Use::kHeld;
 }
@@ -251,7 +280,17 @@ void Navigator::publish(std::int64_t time_us, bool first) {
   outputs_.ins_monitor_due = first || news || time_us >= next_monitor_us_;
   if (outputs_.ins_monitor_due) next_monitor_us_ = (time_us / kMonitorStep + 1) * kMonitorStep;
   outputs_.health_due = first || time_us >= next_health_us_;
-  if (outputs_.health_due) next_health_us_ = (time_us / kSecond + 1) * kSecond;
+  if (outputs_.ins_monitor.state == samples::InsState::kMiscompare) calibration_.fail_ins();
+  if (!outputs_.health_due) return;
+  next_health_us_ = (time_us / kSecond + 1) * kSecond;
+  outputs_.smdu_calibration = calibration_.status(time_us);
+}
+
+CalibrationResult Navigator::calibration_result() const {
+  return {calibration_.verdict(),
+          calibration_.checks(),
+          {config_.airframe.id, calibration_.time_us(), config_.earth.epoch_year,
+           sahrs::smdu::Source::kFlight, calibration_.calibration()}};
 }
 
 samples::Health Navigator::health() const {

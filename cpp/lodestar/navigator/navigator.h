@@ -12,6 +12,7 @@
 #include "lodestar/navigator/pending.h"
 #include "lodestar/navigator/sensor_watch.h"
 #include "lodestar/sahrs/sahrs.h"
+#include "lodestar/sahrs/smdu_calibration_filter.h"
 #include "lodestar/samples/health.h"
 #include "lodestar/samples/samples.h"
 
@@ -23,7 +24,15 @@ struct Outputs {
   samples::Navigation nav;
   samples::InsMonitor ins_monitor;
   bool ins_monitor_due = false;  // ten times a second, and at once on a change of state
-  bool health_due = false;       // once per second of flight time, and on the first frame
+  samples::SmduCalibration smdu_calibration;  // refreshed when HEALTH is due
+  bool health_due = false;  // once per second of flight time, and on the first frame
+};
+
+/// What a flight has made of the calibration of the magnetic detector.
+struct CalibrationResult {
+  sahrs::smdu::Verdict verdict;
+  sahrs::smdu::Checks checks;
+  sahrs::smdu::Record record;  // worth storing if the verdict is good
 };
 
 /// The flight computer without its shell: timed samples in, timed outputs out.
@@ -61,6 +70,9 @@ class Navigator {
   /// version.
   samples::Health health() const;
 
+  /// The calibration of this flight, to be used from the next one on.
+  CalibrationResult calibration_result() const;
+
  private:
   // A load factor at 1000 Hz between two frames at 30 Hz, with as much again for jitter.
   static constexpr std::size_t kDeep = 72;
@@ -89,7 +101,7 @@ class Navigator {
   template <class AnyInput>
   void apply_front(AnyInput& input);
   samples::Use apply(const samples::LoadFactor& sample) { return sahrs_.update(sample); }
-  samples::Use apply(const samples::MagneticField& sample) { return sahrs_.update(sample); }
+  samples::Use apply(const samples::MagneticField& sample);
   samples::Use apply(const samples::AirData& sample);
   samples::Use apply(const samples::GpsFix& sample) { return cascade_.update(sample); }
   samples::Use apply(const samples::InsSolution& sample);
@@ -102,6 +114,7 @@ class Navigator {
   FrameClock clock_;
   sahrs::Sahrs sahrs_;
   fusion::Cascade cascade_;
+  sahrs::smdu::CalibrationFilter calibration_;
   monitor::InsMonitor ins_monitor_;
   samples::Counters counters_{};
   Outputs outputs_;

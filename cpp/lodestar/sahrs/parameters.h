@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <optional>
 
 #include "lodestar/math/gauss_markov.h"
 #include "lodestar/math/parameter.h"
@@ -36,11 +37,19 @@ inline constexpr const char* kAssumptionNames[kAssumptions] = {
 struct FieldCalibration {
   Eigen::Matrix3d matrix = Eigen::Matrix3d::Identity();
   Eigen::Vector3d bias = Eigen::Vector3d::Zero();  // nT
+  std::optional<double> bias_sigma;                // nT
+  std::optional<double> matrix_sigma;              // -
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
     visit(self.bias, {"bias_nT", "nT", -200e3, 200e3, "Added to the raw field"});
     visit(self.matrix, {"matrix", "-", -2.0, 2.0, "Multiplies the raw field, three rows"});
+    visit(self.bias_sigma,
+          {"bias_sigma_nT", "nT", 0.1, 1e5,
+           "Bias that it leaves, 1 sigma per axis; unset: as SAHRS's own section has it"});
+    visit(self.matrix_sigma,
+          {"matrix_sigma", "-", 0.0, 0.2,
+           "Scale and misalignment that it leaves, 1 sigma per matrix element; unset: likewise"});
   }
 };
 

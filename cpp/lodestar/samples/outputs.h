@@ -90,4 +90,20 @@ struct InsMonitor {
   InsState state = InsState::kNone;
 };
 
+enum class CalibrationState : std::int8_t {
+  kIdle = 0,        // nothing to calibrate by yet, or switched off
+  kRunning = 1,     // samples come in, not enough yet
+  kObservable = 2,  // would be stored if the flight ended now
+  kRefused = 3,     // the INS failed: nothing of this flight will be stored
+};
+
+/// SMDU.CALIBRATION.
+struct SmduCalibration {
+  using Vector = Eigen::Matrix<double, 12, 1>;
+  std::int64_t time_us = 0;
+  Vector x = Vector::Zero();      // bias (3) in nT, scale (3) and misalignment (6)
+  Vector sigma = Vector::Zero();  // same units
+  CalibrationState state = CalibrationState::kIdle;
+};
+
 }  // namespace lodestar::samples

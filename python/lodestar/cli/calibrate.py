@@ -3,49 +3,122 @@
 
 from __future__ import annotations
 
-from enum import StrEnum
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-EXAMPLE = "Example: lodestar calibrate thor75.lcm --year 2012.78 --from 405 --to 575 -o thor75.toml"
+from lodestar.cli.common import FLIGHT_FAILED, ConfigOption, fail, given_or_shipped
+from lodestar.errors import InputError
+from lodestar.harness import CONFIG, LOG
 
+if TYPE_CHECKING:
+    from lodestar.recordings import Recording
+    from lodestar.studies.smdu_calibration import Calibration
 
-class Model(StrEnum):
-    """Names of the geomagnetic models."""
-
-    igrf14 = "igrf14"
-    wmm2025 = "wmm2025"
+EXAMPLE = "Example: lodestar calibrate out/ordinary/flight.lcm -o smdu.cal"
 
 
 def command(
     flight: Annotated[
         Path, typer.Argument(metavar="FLIGHT", help="An LCM log or an npz file with SMDU and INS.")
     ],
-    year: Annotated[
-        float, typer.Option("--year", metavar="YEAR", help="Date of the flight, decimal year.")
-    ],
     target: Annotated[
-        Path, typer.Option("-o", "--output", metavar="FILE", help="The calibration, TOML.")
-    ],
+        Path | None,
+        typer.Option(
+            "-o", "--output", metavar="FILE", help="Where to store it; otherwise it is only told."
+        ),
+    ] = None,
+    ground: Annotated[
+        bool,
+        typer.Option(
+            "--ground", help="FLIGHT is a swing through the headings, level on the ground."
+        ),
+    ] = False,
+    fit: Annotated[
+        float | None,
+        typer.Option(
+            "--fit",
+            metavar="YEAR",
+            help="Plain least squares over all samples instead, in the field of that decimal year, "
+            "to a TOML file: for a recording whose reference is no INS.",
+        ),
+    ] = None,
+    config: ConfigOption = None,
     start_s: Annotated[
-        float, typer.Option("--from", metavar="S", help="Use the flight from this time on, s.")
+        float,
+        typer.Option("--from", metavar="S", help="Use the flight from this time on, s."),
     ] = float("-inf"),
     end_s: Annotated[
         float, typer.Option("--to", metavar="S", help="Use the flight up to this time, s.")
     ] = float("inf"),
-    model: Annotated[
-        Model, typer.Option("--model", help="Model of the Earth's field.")
-    ] = Model.igrf14,
 ) -> None:
-    """Calibrate the magnetic detector by the INS of a flight; for the next flight, not for this."""
+    """Calibrate the magnetic detector by the INS of a flight; for the next flight, not for this.
+
+    Ends with 1, and stores nothing, if the flight is not good enough for it.
+    """
     from lodestar import recordings
+    from lodestar.studies import smdu_calibration
+
+    recording = recordings.load(flight)
+    text = _config_text(flight, config)
+    if fit is not None:
+        _fit(recording, fit, (start_s, end_s), target)
+        return
+    result = smdu_calibration.calibrate(_between(recording, start_s, end_s), text, ground=ground)
+    _tell(result)
+    if not result.good:
+        fail(f"{flight}: {result.verdict}; nothing is stored", FLIGHT_FAILED)
+    if target is not None:
+        smdu_calibration.store(result, target)
+        typer.echo(f"stored in {target}")
+
+
+def _config_text(flight: Path, config: Path | None) -> str:
+    """The configuration a person names, or the one that the run of fly left beside its log."""
+    path = given_or_shipped(config) if config else flight.parent / CONFIG
+    if config is None and (flight.name != LOG or not path.exists()):
+        return ""
+    try:
+        return path.read_text()
+    except (OSError, UnicodeDecodeError) as error:
+        raise InputError(f"cannot read {path}: {error}") from None
+
+
+def _between(recording: Recording, start_s: float, end_s: float) -> Recording:
+    from lodestar.recordings import Recording
+
+    cut = Recording()
+    for name in ("SMDU", "INS"):
+        if name in recording:
+            time_s = recording[name]["time_us"] * 1e-6
+            rows = (time_s >= start_s) & (time_s <= end_s)
+            cut.channels[name] = {key: values[rows] for key, values in recording[name].items()}
+    return cut
+
+
+def _tell(calibration: Calibration) -> None:
+    from lodestar.studies.smdu_calibration import STATES
+
+    for name, value, sigma in zip(STATES, calibration.x, calibration.sigma, strict=True):
+        bias = name.startswith("bias")
+        shown = f"{value:9.1f} ± {sigma:.1f} nT" if bias else f"{value:9.5f} ± {sigma:.5f}"
+        typer.echo(f"{name:8}{shown}")
+    for name, (value, limit) in calibration.checks.items():
+        typer.echo(f"{name:15}{value:10.4g}   limit {limit:g}")
+    typer.echo(f"verdict: {calibration.verdict}")
+
+
+def _fit(
+    recording: Recording, year: float, window_s: tuple[float, float], target: Path | None
+) -> None:
     from lodestar.studies.calibration import calibrate, write_calibration
 
-    result = calibrate(recordings.load(flight), year, (start_s, end_s), model.value)
-    write_calibration(result, target)
+    result = calibrate(recording, year, window_s)
     bias = ", ".join(f"{v:.0f} ± {s:.0f}" for v, s in zip(result.x, result.sigma[:3], strict=False))
     residual = ", ".join(f"{v:.0f}" for v in result.residual_rms)
-    typer.echo(f"{target}: {result.samples} samples, observability {result.observability:.3g}")
+    typer.echo(f"{result.samples} samples, observability {result.observability:.3g}")
     typer.echo(f"bias {bias} nT; residual rms {residual} nT")
+    if target is not None:
+        write_calibration(result, target)
+        typer.echo(f"stored in {target}")

@@ -23,6 +23,15 @@ ConfigOption = Annotated[
         help="Configuration of the flight computer: a TOML file, or the name of a shipped one.",
     ),
 ]
+CalibrationOption = Annotated[
+    Path | None,
+    typer.Option(
+        "--calibration",
+        metavar="FILE",
+        help="Calibration of the magnetic detector: a stored one, which a good flight replaces, or "
+        "TOML.",
+    ),
+]
 OutOption = Annotated[
     Path | None,
     typer.Option("--out", metavar="DIR", help="The run folder; one in out/ by default."),

@@ -14,6 +14,7 @@ from lodestar.cli import outcome
 from lodestar.cli.common import (
     FLIGHT_FAILED,
     INTERRUPTED,
+    CalibrationOption,
     ConfigOption,
     JsonOption,
     OutOption,
@@ -59,6 +60,7 @@ def command(
         ),
     ] = None,
     config: ConfigOption = None,
+    calibration: CalibrationOption = None,
     as_json: JsonOption = False,
 ) -> None:
     """Fly a scenario through the flight computer, score it, write a report.
@@ -79,7 +81,9 @@ def command(
         folder = outcome.run_folder(out or Path("out") / flown.name)
         try:
             with _progress() as progress:
-                factor = _fly(flown, seed, engine, url, folder, config, realtime, progress)
+                factor = _fly(
+                    flown, seed, engine, url, folder, config, calibration, realtime, progress
+                )
                 progress.add_task("score and report", total=None)
                 recording = read_log(folder / LOG, strict=False)
                 result = score(recording, case=flown.name, seed=seed, realtime_factor=factor)
@@ -98,6 +102,7 @@ def _fly(
     url: str,
     folder: Path,
     config: Path | None,
+    calibration: Path | None,
     realtime: bool,
     progress: Progress,
 ) -> float:
@@ -113,6 +118,7 @@ def _fly(
         plan,
         url,
         folder,
+        calibration=calibration,
         realtime=realtime,
         progress=lambda time_us: progress.update(flying, completed=time_us * 1e-6),
     )

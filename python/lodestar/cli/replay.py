@@ -33,7 +33,9 @@ def command(
     calibration: Annotated[
         Path | None,
         typer.Option(
-            "--calibration", metavar="FILE", help="Calibration of the magnetic detector (TOML)."
+            "--calibration",
+            metavar="FILE",
+            help="Calibration of the magnetic detector, a stored one or TOML; it stays as it is.",
         ),
     ] = None,
     start_s: Annotated[

@@ -51,12 +51,14 @@ def fly(
     realtime: bool = False,
     url: str | None = None,
     config: Path | None = None,
+    calibration: Path | None = None,
 ) -> Recording:
     """Simulate a scenario, fly it, and return everything that went over the bus.
 
     ``scenario`` may be a shipped one's name or a TOML file; ``engine`` is one of
-    harness.scenario.ENGINES; ``config`` is a TOML file whose keys go before those of the scenario.
-    The bus is an isolated one unless ``url`` names another.
+    harness.scenario.ENGINES; ``config`` is a TOML file whose keys go before those of the scenario;
+    ``calibration`` is used and, after a good flight, replaced, as by lodestar-fc. The bus is an
+    isolated one unless ``url`` names another.
 
     Raises InputError for a bad scenario or configuration, or where there is no bus, and
     FlightComputerError if the flight computer ends or falls silent.
@@ -67,7 +69,7 @@ def fly(
     with contextlib.ExitStack() as stack:
         url = url or stack.enter_context(isolated_bus())
         folder = Path(stack.enter_context(tempfile.TemporaryDirectory()))
-        fly_plan(plan, url, folder, realtime=realtime)
+        fly_plan(plan, url, folder, calibration=calibration, realtime=realtime)
         return read_log(folder / LOG, strict=False)
 
 
@@ -89,6 +91,7 @@ def fly_plan(
     url: str,
     folder: Path,
     *,
+    calibration: Path | None = None,
     realtime: bool = False,
     progress: Progress = lambda time_us: None,
 ) -> None:
@@ -100,6 +103,7 @@ def fly_plan(
         folder / LOG,
         strays=plan.strays,
         config=folder / CONFIG,
+        calibration=calibration,
         realtime=realtime,
         progress=progress,
     )
@@ -112,6 +116,7 @@ def fly_over_bus(
     *,
     strays: Sequence[RawPayload] = (),
     config: Path | None = None,
+    calibration: Path | None = None,
     realtime: bool = False,
     progress: Progress = lambda time_us: None,
 ) -> None:
@@ -126,7 +131,7 @@ def fly_over_bus(
     run = clock.realtime if realtime else clock.lockstep
     with (
         Bus(url) as bus,
-        FlightComputer(bus, config=config, realtime=realtime) as computer,
+        FlightComputer(bus, config=config, calibration=calibration, realtime=realtime) as computer,
         Link(bus, log) as link,
     ):
         run(script, link, computer, progress=progress)

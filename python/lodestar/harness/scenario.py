@@ -97,6 +97,9 @@ class Scenario:
     rate_hz: int = option(60, low=30, high=1000, doc="of body rates and load factor; tens")
     suite: str = option("gripen", choices=tuple(SUITES), doc="sensor suite")
     calibrated: bool = option(False, doc="the magnetic detector has been calibrated")
+    airframe_seed: int = option(
+        -1, low=-1, high=2**31, doc="of the detector's lasting errors; -1: the flight's own seed"
+    )
     epoch_year: float = option(2026.5, low=2025, high=2030, doc="decimal year of the flight")
     initial_heading: str = option(
         "init", choices=("init", "cold"), doc="start from the INS's last attitude, or align"
@@ -201,7 +204,12 @@ def measure(scenario: Scenario, trajectory: Trajectory, seed: int) -> Recording:
         scenario.gps_outages(),
     )
     channels = sense(
-        trajectory, SUITES[scenario.suite], gps, calibrated=scenario.calibrated, seed=seed
+        trajectory,
+        SUITES[scenario.suite],
+        gps,
+        calibrated=scenario.calibrated,
+        seed=seed,
+        airframe_seed=None if scenario.airframe_seed < 0 else scenario.airframe_seed,
     )
     recording = Recording()
     for channel, columns in channels.items():

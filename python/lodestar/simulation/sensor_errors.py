@@ -44,15 +44,22 @@ def random_stream(seed: int, name: str) -> np.random.Generator:
 
 
 def measured(
-    truth: Array, errors: Sequence[ErrorModel], interval: float, rng: np.random.Generator
+    truth: Array,
+    errors: Sequence[ErrorModel],
+    interval: float,
+    rng: np.random.Generator,
+    lasting: np.random.Generator | None = None,
 ) -> Array:
     """Truth (n,) or (n, k) as a sensor with these errors gives it, in the same shape.
 
-    Every piece has its own random numbers, spawned from ``rng`` in order.
+    Every piece has its own random numbers, spawned from ``rng`` in order; those that stay for a
+    sensor's life (LASTING) from ``lasting`` where that is given.
     """
     signal = np.array(truth, float).reshape(len(truth), -1)
-    for model, stream in zip(errors, rng.spawn(len(errors)), strict=True):
-        signal = model.apply(signal, interval, stream)
+    own = rng.spawn(len(errors))
+    for_life = own if lasting is None else lasting.spawn(len(errors))
+    for model, stream, fixed in zip(errors, own, for_life, strict=True):
+        signal = model.apply(signal, interval, fixed if isinstance(model, LASTING) else stream)
     return signal.reshape(truth.shape)
 
 
@@ -173,3 +180,7 @@ class Quantisation:
     def apply(self, signal: Array, interval: float, rng: np.random.Generator) -> Array:
         """See ErrorModel."""
         return self.step * np.round(signal / self.step)
+
+
+LASTING = (Bias, ScaleFactor, Misalignment, MatrixError)
+"""Errors that a sensor keeps from flight to flight, if it is the same sensor."""

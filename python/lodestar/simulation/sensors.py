@@ -42,9 +42,19 @@ class GpsService:
 
 
 def sense(
-    trajectory: Trajectory, suite: Suite, gps: GpsService, *, calibrated: bool, seed: int
+    trajectory: Trajectory,
+    suite: Suite,
+    gps: GpsService,
+    *,
+    calibrated: bool,
+    seed: int,
+    airframe_seed: int | None = None,
 ) -> dict[str, Columns]:
-    """All channels of a suite and TRUTH on a flight, with ``arrival_us`` where it is late."""
+    """All channels of a suite and TRUTH on a flight, with ``arrival_us`` where it is late.
+
+    The lasting errors of the magnetic detector are drawn with ``airframe_seed`` where given: an
+    aircraft that flies with different seeds keeps them.
+    """
     channels = {
         "EFCS.RATES": _vector(trajectory, "omega_B", trajectory.omega_B, suite.body_rates, seed),
         "EFCS.LOAD_FACTOR": _vector(
@@ -57,6 +67,7 @@ def sense(
             suite.smdu[calibrated],
             seed,
             rate_hz=suite.smdu_rate_hz,
+            airframe_seed=airframe_seed,
         ),
         "ADC": _air_data(trajectory, suite.air_data, seed),
         "GPS": _gps(trajectory, suite.gps, gps, seed),
@@ -81,12 +92,14 @@ def _vector(
     seed: int,
     *,
     rate_hz: int | None = None,
+    airframe_seed: int | None = None,
 ) -> Columns:
     rate_hz = rate_hz or trajectory.rate_hz
     rows = _rows(trajectory, rate_hz)
+    lasting = None if airframe_seed is None else random_stream(airframe_seed, name)
     return {
         "time_us": trajectory.time_us[rows],
-        name: measured(truth[rows], errors, 1 / rate_hz, random_stream(seed, name)),
+        name: measured(truth[rows], errors, 1 / rate_hz, random_stream(seed, name), lasting),
         "valid": np.ones(len(rows), bool),
     }
 
