@@ -364,7 +364,7 @@ TEST(Codec, PublishesEveryFieldOfHealth) {
   s.sahrs_mode = samples::AttitudeMode::kRunning;
   s.fusion_mode = samples::FusionMode::kAiding;
   s.ahrs_mode = samples::AttitudeMode::kAligning;
-  for (std::size_t i = 0; i < 8; ++i) s.assumption_rejects[i] = static_cast<int>(i) + 1;
+  for (std::size_t i = 0; i < 10; ++i) s.assumption_rejects[i] = static_cast<int>(i) + 1;
   for (std::size_t i = 0; i < 10; ++i) {
     s.innovation[i] = 0.5 + static_cast<double>(i);
     s.innovation_sigma[i] = 1.5 + static_cast<double>(i);
@@ -392,7 +392,7 @@ TEST(Codec, PublishesEveryFieldOfHealth) {
   EXPECT_EQ(m.sahrs_mode, 2);
   EXPECT_EQ(m.fusion_mode, 1);
   EXPECT_EQ(m.ahrs_mode, 1);
-  for (int i = 0; i < 8; ++i) EXPECT_EQ(m.assumption_rejects[i], i + 1);
+  for (int i = 0; i < 10; ++i) EXPECT_EQ(m.assumption_rejects[i], i + 1);
   for (int i = 0; i < 10; ++i) {
     EXPECT_EQ(m.innovation[i], 0.5 + i);
     EXPECT_EQ(m.innovation_sigma[i], 1.5 + i);

@@ -23,8 +23,15 @@ constexpr double kJump = 5.0 * math::kDegree;   // rad, a correction that users 
 }  // namespace
 
 samples::Use PaperSahrs::update(const samples::MagneticField& sample) {
+  const Eigen::Vector3d b_B = calibration_.matrix * sample.b_B + calibration_.bias;
+  const double strength = (b_B - field_bias_B_).norm() / b_N_.norm();
+  if (!holds(std::abs(strength - 1.0) <= parameters_.max_field_strength_error,
+             Assumption::kFieldStrength)) {
+    attitude_.rejected |= 7 << kFieldNorth;
+    return samples::Use::kAssumption;
+  }
   const double dt = have_field_ ? seconds_between(field_us_, sample.time_us) : 0.0;
-  b_B_ = calibration_.matrix * sample.b_B + calibration_.bias;
+  b_B_ = b_B;
   field_us_ = sample.time_us;
   have_field_ = true;
   if (needs_alignment()) alignment_.observe_field(b_B_ - field_bias_B_, sample.time_us);
@@ -96,6 +103,7 @@ void PaperSahrs::track_air_data(const samples::AirData& sample) {
                                                     std::sin(sample.alpha) * cos_beta);
   air_ = sample;
   have_air_ = true;
+  live_flow_ = frozen_flow_.see(sample) == 0;
   if (located) air_climb_integral_ = pose.climb_integral;
 }
 
@@ -106,6 +114,7 @@ samples::Use PaperSahrs::update_pitch(const Moment& moment) {
   const double fastest_climb = 0.9 * pitch_plane_airspeed(in);
   const bool valid =
       holds(V >= p.min_airspeed, Assumption::kAirspeed) &&
+      holds(live_flow_, Assumption::kLiveFlow) &&
       holds(climb_.settled() && std::abs(in.climb_rate) < fastest_climb, Assumption::kClimbRate) &&
       holds(std::abs(air_.beta) <= p.max_sideslip, Assumption::kSideslip) &&
       holds(in.tilt.cos_pitch >= min_cos_pitch_, Assumption::kPitchAngle);
@@ -128,6 +137,7 @@ samples::Use PaperSahrs::update_roll(const Moment& moment, const samples::LoadFa
   const bool valid =
       holds(have_air_ && sample.time_us - air_.time_us <= kFresh_us && V >= p.min_airspeed,
             Assumption::kAirspeed) &&
+      holds(live_flow_, Assumption::kLiveFlow) &&
       holds(std::abs(airspeed_.rate()) <= p.max_speed_rate && flow_rate <= p.max_flow_rate,
             Assumption::kSteadyVelocity) &&
       holds(std::abs(air_.beta) <= p.max_sideslip, Assumption::kSideslip) &&

@@ -17,6 +17,7 @@
 #include "lodestar/samples/outputs.h"
 #include "lodestar/samples/samples.h"
 #include "lodestar/samples/use.h"
+#include "lodestar/strapdown/frozen_flow.h"
 
 namespace lodestar::sahrs {
 
@@ -143,6 +144,8 @@ class PaperSahrs {
   Eigen::Vector3d b_B_ = Eigen::Vector3d::Zero();
   bool have_air_ = false;
   samples::AirData air_;
+  strapdown::FrozenFlow frozen_flow_;
+  bool live_flow_ = true;
   Eigen::Vector3d v_air_B_ = Eigen::Vector3d::Zero();
   double air_climb_integral_ = 0.0;
   RateFilter climb_;

@@ -16,7 +16,7 @@ namespace lodestar::sahrs {
 /// Names of the forms: VelocitySahrs and PaperSahrs.
 inline constexpr const char* kFormNames[] = {"velocity", "paper"};
 
-/// What the pitch and roll measurements take for granted, in the order of
+/// What the measurements take for granted, in the order of
 /// HEALTH.assumption_rejects. The first that fails is the one counted.
 enum class Assumption : std::uint8_t {
   kAirspeed,        // the aircraft flies, and the air data are fresh
@@ -27,11 +27,13 @@ enum class Assumption : std::uint8_t {
   kBodyRate,        // |omega| is bounded
   kPitchAngle,      // pitch is away from +-90 degrees
   kBalance,         // load factor and centripetal force leave a vector of gravity's size
+  kFieldStrength,   // the field is as strong as the model has it
+  kLiveFlow,        // airspeed, alpha and beta are not frozen
 };
-inline constexpr int kAssumptions = 8;
+inline constexpr int kAssumptions = 10;
 inline constexpr const char* kAssumptionNames[kAssumptions] = {
-    "airspeed",     "climb rate", "steady velocity", "sideslip",
-    "lateral load", "body rate",  "pitch angle",     "balance"};
+    "airspeed",  "climb rate",  "steady velocity", "sideslip",       "lateral load",
+    "body rate", "pitch angle", "balance",         "field strength", "live flow"};
 
 /// [smdu_calibration]: b_cal = matrix b_raw + bias (SAHRS paper §5: matrix = I + D).
 struct FieldCalibration {
@@ -96,6 +98,7 @@ struct Parameters {
   double max_body_rate = 20.0 * kDegree;  // rad/s
   double max_pitch = 60.0 * kDegree;      // rad
   double max_imbalance = 0.15;            // of gravity
+  double max_field_strength_error = 0.1;  // of the model's field
 
   double false_rejection = 1e-4;                    // -
   double max_valid_tilt_sigma = 5.0 * kDegree;      // rad
@@ -183,6 +186,10 @@ struct Parameters {
     visit(self.max_imbalance,
           {"max_imbalance", "-", 1e-3, 0.9,
            "Largest error in the size of gravity, as load factor and rates have it, for roll"});
+    visit(
+        self.max_field_strength_error,
+        {"max_field_strength_error", "-", 1e-3, 10.0,
+         "Largest error in the strength of the field, less its bias, for its direction to count"});
     visit(self.false_rejection, {"false_rejection", "-", 1e-12, 0.1,
                                  "Probability that the gate rejects a good measurement"});
     visit(self.max_valid_tilt_sigma, {"max_valid_tilt_sigma_deg", "deg", 0.01, 90.0,

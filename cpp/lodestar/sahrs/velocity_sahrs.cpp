@@ -31,6 +31,11 @@ double seconds(std::int64_t later_us, std::int64_t earlier_us) {
 
 double square(double x) { return x * x; }
 
+strapdown::Parameters with_airspeed(strapdown::Parameters parameters, double min_airspeed) {
+  parameters.min_airspeed = min_airspeed;
+  return parameters;
+}
+
 }  // namespace
 
 VelocitySahrs::VelocitySahrs(const Parameters& parameters,
@@ -41,7 +46,7 @@ VelocitySahrs::VelocitySahrs(const Parameters& parameters,
       calibration_(calibration),
       epoch_year_(epoch_year),
       field_model_(field_model),
-      filter_(filter_parameters),
+      filter_(with_airspeed(filter_parameters, parameters.min_airspeed)),
       climb_(kClimbBandwidth, filter_parameters.baro_lag) {}
 
 void VelocitySahrs::set_position(double lat, double lon, double h) {
@@ -73,6 +78,7 @@ void VelocitySahrs::propagate(const samples::BodyRates& sample) {
   have_rates_ = true;
   now_us_ = sample.time_us;
   omega_B_ = sample.omega_B;
+  field_refused_ = false;
   if (state_ == State::kRunning && dt > kLongestBridge) {
     state_ = State::kRealigning;
     alignment_.restart();
@@ -108,6 +114,11 @@ samples::Use VelocitySahrs::update(const samples::LoadFactor& sample) {
 samples::Use VelocitySahrs::update(const samples::MagneticField& sample) {
   samples::MagneticField field = sample;
   field.b_B = calibration_.matrix * sample.b_B + calibration_.bias;
+  if (!strong_enough(field.b_B)) {
+    ++assumption_rejects_[static_cast<std::size_t>(Assumption::kFieldStrength)];
+    field_refused_ = true;
+    return samples::Use::kAssumption;
+  }
   if (needs_alignment()) alignment_.observe_field(field.b_B, sample.time_us);
   const std::int64_t before_us = field_us_;
   have_field_ = true;
@@ -118,6 +129,14 @@ samples::Use VelocitySahrs::update(const samples::MagneticField& sample) {
   if (use == samples::Use::kUsed) field_used_us_ = sample.time_us;
   if (use == samples::Use::kGated) doubt_heading(before_us);
   return use;
+}
+
+// A field of another strength is that of something near the detector. It neither turns the attitude
+// nor speaks against it.
+bool VelocitySahrs::strong_enough(const Eigen::Vector3d& b_B) const {
+  const strapdown::Estimate x = filter_.estimate();
+  const double strength = (b_B - x.field_bias_B - x.field_drift_B).norm();
+  return std::abs(strength / b_N_.norm() - 1.0) <= parameters_.max_field_strength_error;
 }
 
 // A field that contradicts the heading for a moment is a disturbance. If it goes on, either may be
@@ -142,6 +161,9 @@ samples::Use VelocitySahrs::update(const samples::AirData& sample) {
   if (state_ != State::kRunning) return samples::Use::kHeld;
   const samples::Use use = filter_.update(sample);
   note(use, sample.time_us);
+  if (filter_.frozen_flow() != 0) {
+    ++assumption_rejects_[static_cast<std::size_t>(Assumption::kLiveFlow)];
+  }
   return use;
 }
 
@@ -200,7 +222,8 @@ void VelocitySahrs::finish_frame() {
   attitude_.gyro_bias_B = x.gyro_bias_B;
   attitude_.field_bias_B = x.field_bias_B + x.field_drift_B;
   attitude_.used = filter_.used();
-  attitude_.rejected = filter_.rejected();
+  constexpr int kField = 7 << strapdown::VelocityFilter::kFieldX;
+  attitude_.rejected = filter_.rejected() | (field_refused_ ? kField : 0);
   const Eigen::Vector3d variance_N = filter_.attitude_variance_N();
   const bool certain =
       std::max(variance_N.x(), variance_N.y()) <= square(parameters_.max_valid_tilt_sigma) &&

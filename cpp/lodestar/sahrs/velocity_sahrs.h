@@ -26,7 +26,8 @@ class VelocitySahrs {
   static constexpr int kRows = strapdown::VelocityFilter::kRows;
   using Rows = strapdown::VelocityFilter::Rows;  // nT x3 in B, m/s, rad x2, m
 
-  /// Of `parameters` only the limits of alignment and validity count: max_imbalance, max_valid_*.
+  /// Of `parameters` only the limits count: of airspeed, of alignment (max_imbalance,
+  /// max_sideslip), of the field's strength and of validity.
   VelocitySahrs(const Parameters& parameters, const strapdown::Parameters& filter_parameters,
                 const FieldCalibration& calibration, earth::GeomagneticKind field_model,
                 double epoch_year);
@@ -55,8 +56,8 @@ class VelocitySahrs {
   /// first.
   const Rows& innovation() const { return filter_.innovation(); }
   const Rows& innovation_sigma() const { return filter_.innovation_sigma(); }
-  /// How often each assumption kept a measurement out. Only that of a least airspeed is made, by
-  /// the air data, and that of balance, by the alignment.
+  /// How often each assumption kept a measurement out: those of airspeed, field strength and live
+  /// flow are made, and that of balance by the alignment.
   const std::array<std::int64_t, kAssumptions>& assumption_rejects() const {
     return assumption_rejects_;
   }
@@ -70,7 +71,8 @@ class VelocitySahrs {
   void align_to(const Aligned& aligned);
   void begin(const Eigen::Matrix3d& C_NB, const Eigen::Vector3d& sigma_B, std::int64_t time_us);
   void refine_alignment();
-  void doubt_heading(std::int64_t time_us);
+  bool strong_enough(const Eigen::Vector3d& b_B) const;
+  void doubt_heading(std::int64_t before_us);
   void note(samples::Use use, std::int64_t time_us);
   samples::AttitudeMode mode(bool certain) const;
 
@@ -87,7 +89,8 @@ class VelocitySahrs {
   std::int64_t last_used_us_ = 0;
   bool coarse_ = false;  // the alignment is still being refined
   std::int64_t started_us_ = 0;
-  bool lost_ = false;  // running, but so uncertain that an alignment is better
+  bool field_refused_ = false;  // in this frame
+  bool lost_ = false;           // running, but so uncertain that an alignment is better
   std::int64_t field_used_us_ = 0;
   std::int64_t alignable_us_ = 0;  // since when a turn has been all there was to align in; 0: none
   Alignment alignment_;

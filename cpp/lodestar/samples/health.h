@@ -25,7 +25,7 @@ struct CycleTimes {
 
 /// HEALTH: see lcm_types/health_t.lcm.
 struct Health {
-  static constexpr int kAssumptions = 8;
+  static constexpr int kAssumptions = 10;
   static constexpr int kInnovations = 10;
   std::int64_t time_us = 0;
   Counters counters{};

@@ -36,15 +36,15 @@ struct Parameters {
   double flow_scale_sigma = 0.02;
   double baro_noise = 0.5;     // m
   double baro_lag = 0.3;       // s
-  double min_airspeed = 60.0;  // m/s
+  double min_airspeed = 60.0;  // m/s; declared in [sahrs]
 
   // The air.
   double wind_walk = 0.1;            // m/s/sqrt(s), at the start
-  double wind_walk_min = 0.1;        // m/s/sqrt(s)
+  double wind_walk_min = 0.06;       // m/s/sqrt(s)
   double wind_walk_max = 2.0;        // m/s/sqrt(s)
   double wind_adaptation = 3.0;      // s
   double vertical_wind_ratio = 0.3;  // of the same
-  double height_walk = 0.1;          // m/sqrt(s)
+  double height_walk = 0.05;         // m/sqrt(s)
   double gust_length = 430.0;        // m
   double gust_sigma = 2.0;           // m/s, at the start
   double gust_sigma_min = 0.05;      // m/s
@@ -95,8 +95,6 @@ struct Parameters {
           {"flow_scale_sigma", "-", 0.0, 0.5, "1 sigma of alpha's and beta's scale factor"});
     visit(self.baro_noise, {"baro_noise_m", "m", 0.01, 100.0, "White noise of the baro altitude"});
     visit(self.baro_lag, {"baro_lag_s", "s", 0.0, 5.0, "First-order lag of the baro altitude"});
-    visit(self.min_airspeed, {"min_airspeed_m_s", "m/s", 1.0, 200.0,
-                              "Airspeed below which the air data are not used"});
     visit(self.wind_walk, {"wind_walk_m_s_rts", "m/s/sqrt(s)", 1e-4, 10.0,
                            "Random walk of the horizontal wind, per axis, at the start; then "
                            "estimated"});

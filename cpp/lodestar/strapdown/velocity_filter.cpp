@@ -272,6 +272,7 @@ samples::Use VelocityFilter::update(const samples::MagneticField& sample) {
 
 samples::Use VelocityFilter::update(const samples::AirData& sample) {
   if (!(sample.true_airspeed >= parameters_.min_airspeed)) return samples::Use::kAssumption;
+  frozen_ = frozen_flow_.see(sample);
   if (!has_velocity_) {
     start_velocity(sample);
     return samples::Use::kUsed;
@@ -280,12 +281,12 @@ samples::Use VelocityFilter::update(const samples::AirData& sample) {
                            parameters_.baro_noise};
   samples::Use use = samples::Use::kHeld;
   if (sample.time_us == now_us_) {
-    use = correct(measure_air(sample, x_, noise), kAirspeed, false);
+    use = correct(measure_air(sample, x_, noise), kAirspeed, false, frozen_);
   } else {
     Moment moment;
     if (!locate(sample.time_us, moment)) return use;
     const AirDataMeasurement then = measure_air(sample, estimate_at(moment), noise);
-    use = correct(Delayed<AirDataMeasurement>(then, delay_of(moment)), kAirspeed, false);
+    use = correct(Delayed<AirDataMeasurement>(then, delay_of(moment)), kAirspeed, false, frozen_);
   }
   learn_air(seconds(sample.time_us, air_us_));
   air_us_ = sample.time_us;
@@ -343,7 +344,7 @@ void VelocityFilter::start_velocity(const samples::AirData& sample) {
 }
 
 template <class Measurement>
-samples::Use VelocityFilter::correct(const Measurement& m, Row first, bool together) {
+samples::Use VelocityFilter::correct(const Measurement& m, Row first, bool together, int left_out) {
   constexpr int kM = Measurement::kRows;
   SparseUpdate<kStates, Measurement> update(P_, m);
   if (held_) update.expect(m, offset_);
@@ -355,6 +356,7 @@ samples::Use VelocityFilter::correct(const Measurement& m, Row first, bool toget
     if (together || gate_.passes(update.normalised_square(i), 1)) passed |= 1 << i;
   }
   if (together && !gate_.passes(update.normalised_square(), kM)) passed = 0;
+  passed &= ~left_out;
   const int all = (1 << kM) - 1;
   used_ |= passed << first;
   rejected_ |= (all & ~passed) << first;

@@ -9,6 +9,7 @@
 #include "lodestar/samples/samples.h"
 #include "lodestar/samples/use.h"
 #include "lodestar/strapdown/delayed.h"
+#include "lodestar/strapdown/frozen_flow.h"
 #include "lodestar/strapdown/gust.h"
 #include "lodestar/strapdown/history.h"
 #include "lodestar/strapdown/parameters.h"
@@ -82,6 +83,8 @@ class VelocityFilter {
   double gust_sigma() const { return gust_level_.sigma(); }
   double wind_walk() const { return wind_level_.walk(); }
   bool has_velocity() const { return has_velocity_; }
+  /// What of the latest air data is frozen: bits of FrozenFlow.
+  int frozen_flow() const { return frozen_; }
 
   /// Latest innovations, measured minus predicted, and their standard deviations; 0 before the
   /// first.
@@ -105,7 +108,7 @@ class VelocityFilter {
   Delay delay_of(const Moment& moment) const;
   void learn_air(double dt);
   template <class Measurement>
-  samples::Use correct(const Measurement& m, Row first, bool together);
+  samples::Use correct(const Measurement& m, Row first, bool together, int left_out = 0);
 
   Parameters parameters_;
   filter::Gate gate_;
@@ -118,6 +121,8 @@ class VelocityFilter {
   Covariance P_;
   GustLevel gust_level_;
   WindLevel wind_level_;
+  FrozenFlow frozen_flow_;
+  int frozen_ = 0;
   History history_;
   Corrections corrections_;
   bool has_velocity_ = false;
