@@ -35,7 +35,7 @@ class Assumptions : public testing::Test {
   }
 
   FlightGenerator flight_{3};
-  sahrs::PaperSahrs sahrs_ = make_sahrs();
+  sahrs::PaperSahrs sahrs_ = make_sahrs<sahrs::PaperSahrs>();
   std::array<std::int64_t, sahrs::kAssumptions> counts_{};
 };
 
@@ -113,7 +113,7 @@ TEST_F(Assumptions, ALoadFactorThatGravityDoesNotExplainSpoilsRoll) {
 }
 
 TEST_F(Assumptions, NearTheVerticalThereIsNoRollAndNoPitchFromAirData) {
-  sahrs::PaperSahrs climbing = make_sahrs();
+  sahrs::PaperSahrs climbing = make_sahrs<sahrs::PaperSahrs>();
   climbing.start({0.0, 80.0 * kDegree, 0.0}, Eigen::Vector3d::Constant(1.0 * kDegree),
                  flight_.time_us());
   for (int k = 0; k < 60 * 6; ++k) {

@@ -55,7 +55,7 @@ Statistics monte_carlo(int flights, double duration, const SensorErrors& errors)
   Statistics statistics;
   for (int seed = 1; seed <= flights; ++seed) {
     FlightGenerator flight(static_cast<unsigned>(seed), 1.0, 60.0, errors);
-    sahrs::PaperSahrs sahrs = make_sahrs();
+    sahrs::PaperSahrs sahrs = make_sahrs<sahrs::PaperSahrs>();
     fly(flight, sahrs, 60.0);
     fly(flight, sahrs, duration - 60.0, [&] { statistics.add(flight, sahrs.attitude()); });
   }

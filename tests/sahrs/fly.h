@@ -2,20 +2,33 @@
 #pragma once
 
 #include <cmath>
+#include <type_traits>
 
 #include "flight_generator.h"
 #include "lodestar/sahrs/paper_sahrs.h"
+#include "lodestar/sahrs/velocity_sahrs.h"
 
 namespace lodestar::sahrs_test {
 
-inline sahrs::PaperSahrs make_sahrs(const sahrs::Parameters& parameters = {}) {
-  sahrs::PaperSahrs sahrs(parameters, {}, earth::GeomagneticKind::kIgrf14, FlightGenerator::kYear);
+/// A form of SAHRS at the place of FlightGenerator.
+template <class Form>
+Form make_sahrs(const sahrs::Parameters& parameters = {},
+                const sahrs::FieldCalibration& calibration = {}) {
+  constexpr earth::GeomagneticKind kModel = earth::GeomagneticKind::kIgrf14;
+  Form sahrs = [&] {
+    if constexpr (std::is_same_v<Form, sahrs::PaperSahrs>) {
+      return Form(parameters, calibration, kModel, FlightGenerator::kYear);
+    } else {
+      return Form(parameters, {}, calibration, kModel, FlightGenerator::kYear);
+    }
+  }();
   sahrs.set_position(FlightGenerator::kLat, FlightGenerator::kLon, 2000.0);
   return sahrs;
 }
 
 /// One frame as the flight computer makes it: rates, then what else is due, in order of channels.
-inline void frame(FlightGenerator& flight, sahrs::PaperSahrs& sahrs) {
+template <class Form>
+void frame(FlightGenerator& flight, Form& sahrs) {
   sahrs.propagate(flight.body_rates());
   sahrs.update(flight.load_factor());
   if (flight.slow_sensors_due()) {
@@ -26,8 +39,8 @@ inline void frame(FlightGenerator& flight, sahrs::PaperSahrs& sahrs) {
 }
 
 /// Flies for `duration` (s); `look` sees every frame after it was answered.
-template <class Look>
-void fly(FlightGenerator& flight, sahrs::PaperSahrs& sahrs, double duration, Look look) {
+template <class Form, class Look>
+void fly(FlightGenerator& flight, Form& sahrs, double duration, Look look) {
   const std::int64_t end_us = flight.time_us() + std::llround(1e6 * duration);
   while (flight.time_us() < end_us) {
     flight.step();
@@ -36,7 +49,8 @@ void fly(FlightGenerator& flight, sahrs::PaperSahrs& sahrs, double duration, Loo
   }
 }
 
-inline void fly(FlightGenerator& flight, sahrs::PaperSahrs& sahrs, double duration) {
+template <class Form>
+void fly(FlightGenerator& flight, Form& sahrs, double duration) {
   fly(flight, sahrs, duration, [] {});
 }
 

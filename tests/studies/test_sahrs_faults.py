@@ -63,6 +63,8 @@ def test_rows_tell_errors_during_and_after_and_what_was_refused(flown):
     case = "ordinary/profile/stuck-beta"
     assert rows[f"{case}/after", "sahrs", "heading_max_deg"]["limit"] == 10.0
     assert "limit" not in rows[f"{case}/during", "sahrs", "heading_max_deg"]
+    assert rows[f"{case}/during", "sahrs", "roll_max_deg"]["limit"] == 30.0
+    assert "limit" not in rows[f"{case}/during", "sahrs-paper", "roll_max_deg"]
     assert rows[f"{case}/during", "sahrs", "rejected_beta"]["value"] > 3000
     assert rows[f"{case}/during", "sahrs-paper", "rejected_check_sideslip"]["value"] > 1000
     assert ("ordinary/profile/none/during", "sahrs", "rejected_beta") not in rows

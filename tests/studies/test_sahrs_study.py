@@ -231,6 +231,23 @@ def test_a_flight_without_valid_output_is_a_failure_and_not_left_out():
     json.loads(found.to_json())
 
 
+def test_the_requirement_table_shows_the_worst_flight_of_each_class_and_form():
+    ensembles = [
+        *cells("ordinary/profile/calibrated", "sahrs-paper", runs=2, pitch_max_deg=4.5),
+        *cells("ordinary/jsbsim/calibrated", "sahrs-paper", runs=3, pitch_max_deg=5.5),
+        *cells("hard/jsbsim/calibrated", "sahrs-paper", runs=2, after_roll_rmse_deg=2.25),
+    ]
+    table = findings("sahrs", ensembles).tables[0]
+    calm, hard, after = table.rows
+    assert calm[:3] == ("calm", "paper", "2 / 2 / 5")
+    assert "/ 5.50 /" in calm[5]
+    assert calm[6] == "1 of 5"
+    assert (hard[0], hard[2], hard[4], hard[6]) == ("hard", "–", "30 / 20 / –", "0 of 2")
+    assert after[3].startswith("2.25 /")
+    assert after[6] == "1 of 2"
+    assert {(0, 5), (0, 6), (2, 3), (2, 6)} == table.bad
+
+
 def test_goals_are_those_of_the_calibration_and_of_the_velocity_form_alone():
     assert goals("ordinary/profile/calibrated", "sahrs")["heading_rmse_deg"] == (1.0, 0.8)
     assert goals("ordinary/jsbsim/uncalibrated", "sahrs")["heading_rmse_deg"] == (1.5, 1.1)
@@ -247,7 +264,7 @@ def test_the_report_holds_tables_and_plots(tmp_path):
     drawn = plots(ensembles)
     report = write(findings("sahrs", ensembles), drawn, tmp_path).read_text()
     assert "45.00" in report
-    assert report.count("<table") == 4
+    assert report.count("<table") == 5
     assert report.count("<img") == len(drawn) == 4
     assert len(list((tmp_path / "plots").glob("*.png"))) == 4
 
@@ -294,6 +311,16 @@ def test_bad_input_is_one_line_and_ends_with_2(lodestar, arguments, said):
     assert err.count("\n") == 1
     assert said in err
     assert out == ""
+
+
+@pytest.mark.parametrize("study", ["sahrs", "sahrs-faults"])
+def test_without_the_package_of_jsbsim_one_line_says_what_to_install(lodestar, monkeypatch, study):
+    monkeypatch.setitem(sys.modules, "jsbsim", None)
+    status, _, err = lodestar("monte-carlo", study, "--engine", "jsbsim")
+    assert status == 2
+    assert "pip install 'lodestar[jsbsim]'" in err
+    assert err.startswith("error: ")
+    assert err.count("\n") == 1
 
 
 @pytest.mark.parametrize("study", ["sahrs", "sahrs-faults"])

@@ -33,9 +33,9 @@ table { border-collapse: collapse; width: 100%; font-variant-numeric: tabular-nu
   font-size: .92rem; }
 th, td { padding: .4rem .7rem; text-align: right; border-bottom: 1px solid var(--line);
   white-space: nowrap; }
-th { font-weight: 600; color: var(--soft); }
+th { font-weight: 600; color: var(--soft); white-space: normal; vertical-align: bottom; }
 th:first-child, td:first-child { text-align: left; padding-left: 0; }
-table.wide td:last-child { white-space: normal; }
+table.wide :is(th, td):last-child { white-space: normal; text-align: left; }
 figure { margin: .75rem 0 0; padding: .9rem; background: #fff; border: 1px solid var(--line);
   border-radius: .5rem; }
 img { display: block; width: 100%; height: auto; }

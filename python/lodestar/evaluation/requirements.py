@@ -80,6 +80,11 @@ def is_turbulent(case: str) -> bool:
     return scenario == "turbulence" or scenario.endswith("+air")
 
 
+def is_calm(case: str) -> bool:
+    """Whether both manoeuvring and air are calm."""
+    return not (is_hard(case) or is_turbulent(case))
+
+
 def paper(case: str) -> dict[str, float]:
     """What the SAHRS paper requires in a case, by metric."""
     return HARD if is_hard(case) else CALM

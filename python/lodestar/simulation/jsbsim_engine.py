@@ -174,6 +174,11 @@ def fly_jsbsim(
     )
 
 
+def version() -> str:
+    """Of JSBSim. Raises InputError where the package jsbsim is missing."""
+    return str(_package().__version__)
+
+
 def _check(path: FlightPath) -> None:
     # One step per sample: what happened between samples could not be found from them.
     if path.rate_hz < SLOWEST_RATE_HZ:

@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 
 import lodestar
 from lodestar import _core
+from lodestar.errors import InputError
 
 Progress = Callable[[int, int], None]
 """Told how many flights are done, of how many."""
@@ -73,7 +74,10 @@ class Study(Protocol):
         ...
 
     def inputs(self, flight: str) -> str:
-        """Everything a person may change that the results of a flight depend on."""
+        """Everything a person may change that the results of a flight depend on.
+
+        Raises InputError where a flight cannot be made at all.
+        """
         ...
 
 
@@ -154,7 +158,10 @@ def _tasks(study: Study, seeds: range, store: Store, origins: dict[str, str]) ->
 
 
 def _fly(task: Task) -> list[Result]:
-    return task.study.fly(task.cells, task.seed)
+    try:
+        return task.study.fly(task.cells, task.seed)
+    except InputError as error:
+        raise InputError(f"{task.cells[0].flight}, seed {task.seed}: {error}") from None
 
 
 @lru_cache(maxsize=8)

@@ -26,9 +26,10 @@ class LocalPool:
         """The results, as they come. However it ends, no process is left behind."""
         if not tasks:
             return
+        strangers = multiprocessing.active_children()
         # Forked, a process would inherit locks that another thread of this one holds just then.
         executor = ProcessPoolExecutor(
-            min(self._workers, len(tasks)), multiprocessing.get_context("spawn"), _live_and_let_die
+            min(self._workers, len(tasks)), multiprocessing.get_context("spawn"), _stay_with_parent
         )
         try:
             for future in as_completed([executor.submit(function, task) for task in tasks]):
@@ -36,13 +37,14 @@ class LocalPool:
         except BaseException:
             # What is being flown would take its time to end, and nobody wants it any more.
             for process in multiprocessing.active_children():
-                process.terminate()
+                if process not in strangers:
+                    process.terminate()
             raise
         finally:
             executor.shutdown(cancel_futures=True)
 
 
-def _live_and_let_die() -> None:
+def _stay_with_parent() -> None:
     """Leave Ctrl-C to the parent, and end when it ends, however it does."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     parent = multiprocessing.parent_process()

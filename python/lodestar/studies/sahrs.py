@@ -11,7 +11,6 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from importlib import metadata
 from pathlib import Path
 from typing import Any
 
@@ -32,6 +31,7 @@ from lodestar.harness.scenario import (
 )
 from lodestar.navigator import run
 from lodestar.recordings.recording import Channel, Recording
+from lodestar.simulation import jsbsim_engine
 from lodestar.simulation.earth import STANDARD_GRAVITY
 from lodestar.studies.campaign import Cell, Result
 
@@ -171,9 +171,13 @@ def chosen(what: str, given: Sequence[str], allowed: Sequence[str]) -> tuple[str
 
 
 def describe(scenario: Scenario, engine: str) -> str:
-    """Scenario, route and engine as a text that changes with any of them."""
-    version = metadata.version("jsbsim") if engine == "jsbsim" else ""
-    return f"{scenario!r}\n{Path(scenario.route).read_text()}\n{engine} {version}"
+    """Scenario, route, engine and how flights are scored here: changes with any of them.
+
+    Raises InputError for an engine that is not installed.
+    """
+    version = jsbsim_engine.version() if engine == "jsbsim" else ""
+    texts = [Path(name).read_text() for name in (scenario.route, __file__)]
+    return "\n".join([repr(scenario), engine, version, *texts])
 
 
 @dataclass(frozen=True)
