@@ -10,8 +10,7 @@ from lodestar.evaluation.score import score
 from lodestar.paths import config_path
 from lodestar.recordings import Recording
 from lodestar.recordings.importer import import_recording
-from lodestar.studies import smdu_calibration
-from lodestar.studies.calibration import calibrate, write_calibration
+from lodestar.studies.smdu_calibration import calibrate, store
 
 DATA = Path(__file__).resolve().parents[3] / "shared/data/umn_thor75/umn_thor75_50hz.npz"
 HALVES = ((230.0, 400.0), (405.0, 575.0))
@@ -36,30 +35,14 @@ def between(recording: Recording, start_s: float, end_s: float) -> Recording:
 def test_attitude_holds_on_the_half_that_the_detector_was_not_calibrated_on(
     flight, calibrated_on, scored_on, tmp_path
 ):
-    write_calibration(calibrate(flight, 2012.78, calibrated_on), tmp_path / "smdu.toml")
-    answered = navigator.run(
-        flight,
-        config_path("thor75.toml").read_text(),
-        (tmp_path / "smdu.toml").read_text(),
-    )
+    config = config_path("thor75.toml").read_text()
+    calibration = calibrate(flight, config, window_s=calibrated_on)
+    assert calibration.verdict == "good"
+    store(calibration, tmp_path / "smdu.cal")
+    answered = navigator.run(flight, config, (tmp_path / "smdu.cal").read_bytes())
     result = score(between(answered, *scored_on), case="thor75")
     for estimator in ("sahrs", "cascade"):
         assert result.value(estimator, "roll_rmse_deg") <= 4.0
         assert result.value(estimator, "pitch_rmse_deg") <= 4.0
         assert result.value(estimator, "heading_rmse_deg") <= 7.0
     assert result.value("cascade", "position_rmse_m") <= 15.0
-
-
-@pytest.mark.parametrize(("calibrated_on", "scored_on"), [HALVES, HALVES[::-1]])
-def test_the_flight_computers_own_calibration_takes_it_for_a_good_flight(
-    flight, calibrated_on, scored_on, tmp_path
-):
-    config = config_path("thor75.toml").read_text()
-    result = smdu_calibration.calibrate(between(flight, *calibrated_on), config)
-    assert result.verdict == "good"
-    smdu_calibration.store(result, tmp_path / "smdu.cal")
-    answered = navigator.run(flight, config, (tmp_path / "smdu.cal").read_bytes())
-    scored = score(between(answered, *scored_on), case="thor75")
-    assert scored.value("sahrs", "roll_rmse_deg") <= 4.0
-    assert scored.value("sahrs", "pitch_rmse_deg") <= 4.0
-    assert scored.value("sahrs", "heading_rmse_deg") <= 7.0

@@ -8,7 +8,7 @@ import pytest
 
 from lodestar import _core, rotation
 from lodestar.recordings.importer import import_recording
-from lodestar.studies.calibration import calibrate
+from lodestar.studies.smdu_calibration import calibrate
 
 ROOT = Path(__file__).parents[2]
 DATA = ROOT.parent / "shared" / "data" / "umn_thor75" / "umn_thor75_50hz.npz"
@@ -118,7 +118,8 @@ def test_pressure_altitude_and_gps_height_rise_together(flight):
 
 def test_a_calibration_from_one_part_gives_heading_in_the_other(flight, steady):
     t, ins, _, rows = steady
-    result = calibrate(flight, YEAR, (230.0, 400.0))
+    config = (ROOT / "config" / "thor75.toml").read_text()
+    result = calibrate(flight, config, window_s=(230.0, 400.0))
     b_B = result.apply(flight["SMDU"]["b_B"][rows])
     levelled = rotation.C_NB_from_euler(ins["roll"], ins["pitch"], np.zeros(len(t)))
     level = np.einsum("nij,nj->ni", levelled, b_B)

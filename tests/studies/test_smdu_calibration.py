@@ -47,16 +47,10 @@ def test_it_is_what_the_flight_computer_publishes_at_the_end_of_the_flight(fligh
 
 
 def test_a_short_and_a_straight_flight_are_refused_by_name(flight):
-    def first(seconds: float) -> Recording:
-        cut = Recording()
-        for name in ("SMDU", "INS"):
-            rows = flight[name]["time_us"] <= seconds * 1e6
-            cut.channels[name] = {key: values[rows] for key, values in flight[name].items()}
-        return cut
-
-    assert smdu_calibration.calibrate(first(300), CONFIG).verdict == "too short"
+    assert smdu_calibration.calibrate(flight, CONFIG, window_s=(0, 300)).verdict == "too short"
     straight = CONFIG + "[smdu_calibration_filter]\nmin_duration_s = 10\n"
-    assert smdu_calibration.calibrate(first(100), straight).verdict == "not observable"
+    result = smdu_calibration.calibrate(flight, straight, window_s=(0, 100))
+    assert result.verdict == "not observable"
 
 
 def test_an_ins_that_fails_in_flight_is_named(flight):

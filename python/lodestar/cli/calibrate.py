@@ -13,7 +13,6 @@ from lodestar.errors import InputError
 from lodestar.harness import CONFIG, LOG
 
 if TYPE_CHECKING:
-    from lodestar.recordings import Recording
     from lodestar.studies.smdu_calibration import Calibration
 
 EXAMPLE = "Example: lodestar calibrate out/ordinary/flight.lcm -o smdu.cal"
@@ -35,15 +34,6 @@ def command(
             "--ground", help="FLIGHT is a swing through the headings, level on the ground."
         ),
     ] = False,
-    fit: Annotated[
-        float | None,
-        typer.Option(
-            "--fit",
-            metavar="YEAR",
-            help="Plain least squares over all samples instead, in the field of that decimal year, "
-            "to a TOML file: for a recording whose reference is no INS.",
-        ),
-    ] = None,
     config: ConfigOption = None,
     start_s: Annotated[
         float,
@@ -60,12 +50,12 @@ def command(
     from lodestar import recordings
     from lodestar.studies import smdu_calibration
 
-    recording = recordings.load(flight)
-    text = _config_text(flight, config)
-    if fit is not None:
-        _fit(recording, fit, (start_s, end_s), target)
-        return
-    result = smdu_calibration.calibrate(_between(recording, start_s, end_s), text, ground=ground)
+    result = smdu_calibration.calibrate(
+        recordings.load(flight),
+        _config_text(flight, config),
+        ground=ground,
+        window_s=(start_s, end_s),
+    )
     _tell(result)
     if not result.good:
         fail(f"{flight}: {result.verdict}; nothing is stored", FLIGHT_FAILED)
@@ -85,18 +75,6 @@ def _config_text(flight: Path, config: Path | None) -> str:
         raise InputError(f"cannot read {path}: {error}") from None
 
 
-def _between(recording: Recording, start_s: float, end_s: float) -> Recording:
-    from lodestar.recordings import Recording
-
-    cut = Recording()
-    for name in ("SMDU", "INS"):
-        if name in recording:
-            time_s = recording[name]["time_us"] * 1e-6
-            rows = (time_s >= start_s) & (time_s <= end_s)
-            cut.channels[name] = {key: values[rows] for key, values in recording[name].items()}
-    return cut
-
-
 def _tell(calibration: Calibration) -> None:
     from lodestar.studies.smdu_calibration import STATES
 
@@ -107,18 +85,3 @@ def _tell(calibration: Calibration) -> None:
     for name, (value, limit) in calibration.checks.items():
         typer.echo(f"{name:15}{value:10.4g}   limit {limit:g}")
     typer.echo(f"verdict: {calibration.verdict}")
-
-
-def _fit(
-    recording: Recording, year: float, window_s: tuple[float, float], target: Path | None
-) -> None:
-    from lodestar.studies.calibration import calibrate, write_calibration
-
-    result = calibrate(recording, year, window_s)
-    bias = ", ".join(f"{v:.0f} ± {s:.0f}" for v, s in zip(result.x, result.sigma[:3], strict=False))
-    residual = ", ".join(f"{v:.0f}" for v in result.residual_rms)
-    typer.echo(f"{result.samples} samples, observability {result.observability:.3g}")
-    typer.echo(f"bias {bias} nT; residual rms {residual} nT")
-    if target is not None:
-        write_calibration(result, target)
-        typer.echo(f"stored in {target}")

@@ -16,7 +16,7 @@ from lodestar.harness import CONFIG, LOG
 if TYPE_CHECKING:
     from lodestar.recordings import Recording
 
-EXAMPLE = "Example: lodestar replay thor75.lcm --calibration thor75.toml --from 230 --to 575"
+EXAMPLE = "Example: lodestar replay thor75.lcm --calibration smdu.cal --from 230 --to 575"
 
 
 def command(

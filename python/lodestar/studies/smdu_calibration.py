@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from lodestar import _core
 from lodestar.errors import InputError
-from lodestar.recordings.recording import Recording
+from lodestar.recordings.recording import Channel, Recording
 
 Array = NDArray[np.float64]
 
@@ -53,26 +53,51 @@ class Calibration:
         return sigma
 
     @property
+    def matrix(self) -> Array:
+        """(3, 3), I + D."""
+        matrix: Array = np.diag(1.0 + self.x[3:6])
+        matrix[~np.eye(3, dtype=bool)] = self.x[6:]
+        return matrix
+
+    def apply(self, b_B: Array) -> Array:
+        """Calibrated field (n, 3) in nT of the raw field (n, 3)."""
+        calibrated: Array = b_B @ self.matrix.T + self.x[:3]
+        return calibrated
+
+    @property
     def good(self) -> bool:
         """Whether it is worth storing."""
         return self.verdict == "good"
 
 
-def calibrate(recording: Recording, config: str = "", *, ground: bool = False) -> Calibration:
+def calibrate(
+    recording: Recording,
+    config: str = "",
+    *,
+    ground: bool = False,
+    window_s: tuple[float, float] = (-np.inf, np.inf),
+) -> Calibration:
     """Calibrate SMDU by INS over a recording, of a flight or (``ground``) of a swing.
 
-    ``config`` is the TOML text of the flight computer. Raises InputError when a channel is missing
-    or the configuration is bad.
+    ``config`` is the TOML text of the flight computer; ``window_s`` are times of validity.
+    Raises InputError when a channel is missing or the configuration is bad.
     """
     for name in ("SMDU", "INS"):
         if name not in recording:
             raise InputError(f"calibration: the recording has no {name}")
+    ins, smdu = (_between(recording[name], window_s) for name in ("INS", "SMDU"))
     run = _core.calibrate_ground if ground else _core.calibrate_flight
     try:
-        result: dict[str, Any] = run(config, recording["INS"], recording["SMDU"])
+        result: dict[str, Any] = run(config, ins, smdu)
     except _core.ConfigError as error:
         raise InputError(str(error)) from None
     return Calibration(**result, ground=ground)
+
+
+def _between(channel: Channel, window_s: tuple[float, float]) -> Channel:
+    time_s = channel["time_us"] * 1e-6
+    rows = (time_s >= window_s[0]) & (time_s <= window_s[1])
+    return {name: values[rows] for name, values in channel.items()}
 
 
 def store(calibration: Calibration, path: Path) -> None:
