@@ -13,6 +13,7 @@ namespace {
 
 constexpr double kLongestBridge = 0.5;            // s without body rates that are bridged
 constexpr double kLongestFrame = 0.05;            // s; a longer frame has lost samples
+constexpr std::int64_t kOldest_us = 1'000'000;    // age up to which a sample comes
 constexpr std::int64_t kFresh_us = 500'000;       // a sample this old still speaks of now
 constexpr std::int64_t kCoasting_us = 2'000'000;  // without any measurement: coasting
 
@@ -70,7 +71,7 @@ void VelocitySahrs::begin(const Eigen::Matrix3d& C_NB, const Eigen::Vector3d& si
   last_used_us_ = time_us;
   field_used_us_ = time_us;
   state_ = State::kRunning;
-  lost_ = false;
+  lost_ = lost_tilt_ = false;
 }
 
 void VelocitySahrs::propagate(const samples::BodyRates& sample) {
@@ -123,7 +124,7 @@ samples::Use VelocitySahrs::update(const samples::MagneticField& sample) {
   const std::int64_t before_us = field_us_;
   have_field_ = true;
   field_us_ = sample.time_us;
-  if (state_ != State::kRunning) return samples::Use::kHeld;
+  if (state_ != State::kRunning || lost_) return samples::Use::kHeld;
   const samples::Use use = filter_.update(field);
   note(use, sample.time_us);
   if (use == samples::Use::kUsed) field_used_us_ = sample.time_us;
@@ -158,7 +159,7 @@ samples::Use VelocitySahrs::update(const samples::AirData& sample) {
   }
   air_ = sample;
   have_air_ = true;
-  if (state_ != State::kRunning) return samples::Use::kHeld;
+  if (state_ != State::kRunning || lost_tilt_) return samples::Use::kHeld;
   const samples::Use use = filter_.update(sample);
   note(use, sample.time_us);
   if (filter_.frozen_flow() != 0) {
@@ -177,7 +178,7 @@ void VelocitySahrs::note(samples::Use use, std::int64_t time_us) {
 void VelocitySahrs::try_alignment() {
   if (!have_field_ || !climb_.settled()) return;
   const std::int64_t oldest_us = std::min(field_us_, air_.time_us);
-  if (now_us_ - oldest_us > kFresh_us || std::abs(air_.beta) > parameters_.max_sideslip ||
+  if (now_us_ - oldest_us > kOldest_us || std::abs(air_.beta) > parameters_.max_sideslip ||
       air_.true_airspeed < filter_.parameters().min_airspeed) {
     return;
   }
@@ -228,7 +229,8 @@ void VelocitySahrs::finish_frame() {
   const bool certain =
       std::max(variance_N.x(), variance_N.y()) <= square(parameters_.max_valid_tilt_sigma) &&
       variance_N.z() <= square(parameters_.max_valid_heading_sigma);
-  lost_ = variance_N.maxCoeff() > square(kLost);
+  lost_tilt_ = std::max(variance_N.x(), variance_N.y()) > square(kLost);
+  lost_ = lost_tilt_ || variance_N.z() > square(kLost);
   attitude_.valid = state_ == State::kRunning && certain;
   attitude_.mode = mode(certain);
 }

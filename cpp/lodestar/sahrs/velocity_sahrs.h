@@ -90,7 +90,9 @@ class VelocitySahrs {
   bool coarse_ = false;  // the alignment is still being refined
   std::int64_t started_us_ = 0;
   bool field_refused_ = false;  // in this frame
-  bool lost_ = false;           // running, but so uncertain that an alignment is better
+  // Running, but so uncertain that an alignment is better than a linear correction.
+  bool lost_ = false;       // heading or tilt: the field waits for the alignment
+  bool lost_tilt_ = false;  // the air data wait, too
   std::int64_t field_used_us_ = 0;
   std::int64_t alignable_us_ = 0;  // since when a turn has been all there was to align in; 0: none
   Alignment alignment_;

@@ -15,7 +15,7 @@ namespace lodestar::strapdown {
 namespace {
 
 constexpr double kMicrosecond = 1e-6;        // s
-constexpr std::int64_t kFresh_us = 200'000;  // a load factor this old still holds
+constexpr std::int64_t kFresh_us = 200'000;  // silence after which no load factor holds
 constexpr std::int64_t kBaroPatience_us = 2'000'000;
 constexpr double kUnknownForce = 3.0;  // m/s^2/sqrt(Hz), where none is measured
 constexpr double kNearestPole = 1e-3;  // cos(latitude), for the transport rate
@@ -173,7 +173,7 @@ ProcessNoise VelocityFilter::process_noise(double dt) const {
 
 /// Without a fresh load factor the air velocity is taken to stay as it is in B.
 Eigen::Vector3d VelocityFilter::force_to_use(double& density) const {
-  if (have_load_ && now_us_ - load_us_ <= kFresh_us) return force_B_;
+  if (have_load_ && now_us_ - load_heard_us_ <= kFresh_us) return force_B_;
   density = square(kUnknownForce);
   const Eigen::Vector3d weight_B = place_.gravity * x_.C_NB.row(2).transpose();
   return corrected(measured_omega_B_).cross(x_.C_NB.transpose() * x_.air_velocity_N) - weight_B +
@@ -252,6 +252,7 @@ samples::Use VelocityFilter::update(const samples::LoadFactor& sample) {
     x_.height -= down;
   }
   have_load_ = true;
+  load_heard_us_ = now_us_;
   load_us_ = sample.time_us;
   force_B_ = force_B;
   force_N_ = force_N;

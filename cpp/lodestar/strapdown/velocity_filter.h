@@ -131,7 +131,8 @@ class VelocityFilter {
   bool have_rates_ = false;
   Eigen::Vector3d measured_omega_B_ = Eigen::Vector3d::Zero();
   bool have_load_ = false;
-  std::int64_t load_us_ = 0;
+  std::int64_t load_us_ = 0;                           // its time
+  std::int64_t load_heard_us_ = 0;                     // when it came
   Eigen::Vector3d force_B_ = Eigen::Vector3d::Zero();  // m/s^2, latest measured
   Eigen::Vector3d force_N_ = Eigen::Vector3d::Zero();  // the same in N, at its time
   Eigen::Vector3d impulse_at_load_N_ = Eigen::Vector3d::Zero();
