@@ -23,8 +23,9 @@ constexpr double kLost = 30.0 * math::kDegree;        // sigma beyond which line
 constexpr std::int64_t kLongestWait_us = 10'000'000;  // for straight flight to align in
 constexpr double kClimbBandwidth = 1.0;               // rad/s, for the alignment only
 constexpr double kCoarse = 2.0 * math::kDegree;       // heading worse than this is refined
-constexpr std::int64_t kLongestHold_us = 60'000'000;
+constexpr std::int64_t kLongestHold_us = 150'000'000;
 constexpr double kFine = 1.0 * math::kDegree;  // until it is as good as that
+constexpr double kAgain = 1.5;                 // of sigma, to start again with
 
 double seconds(std::int64_t later_us, std::int64_t earlier_us) {
   return 1e-6 * static_cast<double>(later_us - earlier_us);
@@ -93,12 +94,16 @@ void VelocitySahrs::propagate(const samples::BodyRates& sample) {
   if (coarse_) refine_alignment();
 }
 
+// What the sensors seemed to err by while the attitude was off by degrees is not to be trusted, and
+// less so its sigma: only the attitude is kept.
 void VelocitySahrs::refine_alignment() {
-  if (now_us_ - started_us_ > kLongestHold_us ||
-      filter_.attitude_variance_N().z() < square(kFine)) {
-    coarse_ = false;
-    filter_.release_linearisation();
-  }
+  const bool fine = filter_.attitude_variance_N().z() < square(kFine);
+  if (!fine && now_us_ - started_us_ <= kLongestHold_us) return;
+  const Eigen::Vector3d variance_B = filter_.attitude_covariance_B().diagonal();
+  filter_.start_again(kAgain * variance_B.cwiseSqrt());
+  started_us_ = now_us_;
+  coarse_ = !fine;
+  if (coarse_) filter_.hold_linearisation();
 }
 
 samples::Use VelocitySahrs::update(const samples::LoadFactor& sample) {

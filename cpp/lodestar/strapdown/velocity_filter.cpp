@@ -22,8 +22,6 @@ constexpr double kNearestPole = 1e-3;  // cos(latitude), for the transport rate
 
 constexpr double kLeastTurn = 1e-3;  // rad; a smaller turn of P is put off
 
-constexpr double kFoldError = 0.5;  // of a fold-in by degrees, what second-order terms make of it
-
 double seconds(std::int64_t later_us, std::int64_t earlier_us) {
   return kMicrosecond * static_cast<double>(later_us - earlier_us);
 }
@@ -68,19 +66,10 @@ void VelocityFilter::hold_linearisation() {
   offset_.setZero();
 }
 
-void VelocityFilter::release_linearisation() {
-  if (!held_) return;
-  held_ = false;
-  const Eigen::Vector3d moved = part<3>(offset_, kAttitude);
-  P_.block<3, 3>(kAttitude.offset, kAttitude.offset) +=
-      square(kFoldError) * moved * moved.transpose();
-  fold_in(offset_);
-  offset_.setZero();
-}
-
 void VelocityFilter::start_again(const Eigen::Vector3d& sigma_B) {
-  release_linearisation();
-  const Estimate best = x_;
+  const Estimate best = estimate();
+  held_ = false;
+  offset_.setZero();
   x_ = Estimate{};
   x_.q_NB = best.q_NB;
   x_.C_NB = best.C_NB;

@@ -45,10 +45,8 @@ class VelocityFilter {
   /// only the estimate moves by degrees, and what was learnt at one heading is wrong at the next:
   /// the filter would take its own moves for turns of the aircraft and the hard iron for observed.
   void hold_linearisation();
-  /// From here on about the estimate.
-  void release_linearisation();
   /// Starts again from the estimated motion, as if the attitude were known to `sigma_B` (rad, about
-  /// the body axes) and nothing of the sensors.
+  /// the body axes) and nothing of the sensors, with all equations linearised about the estimate.
   void start_again(const Eigen::Vector3d& sigma_B);
 
   /// Adds to the gyro bias that is taken off (rad/s), as an alignment has found it.
