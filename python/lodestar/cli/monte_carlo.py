@@ -44,6 +44,18 @@ FolderOption = Annotated[
 RedrawOption = Annotated[
     bool, typer.Option("--redraw", help="Fly nothing; tabulate what there is.")
 ]
+ScenarioOption = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--scenario",
+        metavar="NAME|FILE",
+        help="Once for each; ordinary, turbulence and hard by default.",
+    ),
+]
+EngineOption = Annotated[
+    list[str] | None,
+    typer.Option("--engine", metavar="profile|jsbsim", help="profile by default."),
+]
 FormOption = Annotated[
     list[str] | None,
     typer.Option("--form", metavar="velocity|paper", help="Of SAHRS; both by default."),
@@ -53,14 +65,7 @@ FormOption = Annotated[
 @app.command("sahrs", epilog=SAHRS_EXAMPLE)
 def sahrs(
     runs: RunsOption = 100,
-    scenario: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--scenario",
-            metavar="NAME|FILE",
-            help="Once for each; ordinary, turbulence and hard by default.",
-        ),
-    ] = None,
+    scenario: ScenarioOption = None,
     engine: Annotated[
         list[str] | None,
         typer.Option("--engine", metavar="profile|jsbsim", help="Both by default."),
@@ -98,10 +103,7 @@ def sahrs(
 @app.command("sahrs-faults", epilog=FAULTS_EXAMPLE)
 def sahrs_faults(
     runs: RunsOption = 20,
-    engine: Annotated[
-        list[str] | None,
-        typer.Option("--engine", metavar="profile|jsbsim", help="profile by default."),
-    ] = None,
+    engine: EngineOption = None,
     form: FormOption = None,
     seed_first: FirstSeedOption = 1,
     workers: WorkersOption = None,
@@ -128,18 +130,8 @@ def sahrs_faults(
 @app.command("ins-monitor", epilog=INS_MONITOR_EXAMPLE)
 def ins_monitor(
     runs: RunsOption = 27,
-    scenario: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--scenario",
-            metavar="NAME|FILE",
-            help="Once for each; ordinary, turbulence and hard by default.",
-        ),
-    ] = None,
-    engine: Annotated[
-        list[str] | None,
-        typer.Option("--engine", metavar="profile|jsbsim", help="profile by default."),
-    ] = None,
+    scenario: ScenarioOption = None,
+    engine: EngineOption = None,
     form: FormOption = None,
     seed_first: FirstSeedOption = 1,
     workers: WorkersOption = None,
