@@ -42,7 +42,7 @@ def test_attitude_holds_on_the_half_that_the_detector_was_not_calibrated_on(
     answered = navigator.run(flight, config, (tmp_path / "smdu.cal").read_bytes())
     result = score(between(answered, *scored_on), case="thor75")
     for estimator in ("sahrs", "cascade"):
-        assert result.value(estimator, "roll_rmse_deg") <= 4.0
-        assert result.value(estimator, "pitch_rmse_deg") <= 4.0
-        assert result.value(estimator, "heading_rmse_deg") <= 7.0
+        assert result.value(estimator, "roll_rmse_deg") <= 1.3
+        assert result.value(estimator, "pitch_rmse_deg") <= 1.3
+        assert result.value(estimator, "heading_rmse_deg") <= 4.0
     assert result.value("cascade", "position_rmse_m") <= 15.0
