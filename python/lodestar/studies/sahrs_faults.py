@@ -80,6 +80,8 @@ CHECKS = (
     "body rate",
     "pitch angle",
     "balance",
+    "field strength",
+    "live flow",
 )
 """Columns of HEALTH.assumption_rejects."""
 
