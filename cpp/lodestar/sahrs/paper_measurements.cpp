@@ -28,6 +28,7 @@ samples::Use PaperSahrs::update(const samples::MagneticField& sample) {
   if (!holds(std::abs(strength - 1.0) <= parameters_.max_field_strength_error,
              Assumption::kFieldStrength)) {
     attitude_.rejected |= 7 << kFieldNorth;
+    suspected_us_ = sample.time_us;
     return samples::Use::kAssumption;
   }
   const double dt = have_field_ ? seconds_between(field_us_, sample.time_us) : 0.0;
@@ -52,6 +53,7 @@ samples::Use PaperSahrs::update(const samples::MagneticField& sample) {
 // wrong, and in the long run there is no other reference: sigma grows until the field is believed.
 void PaperSahrs::doubt_heading(double dt) {
   if (interval(kFieldNorth, field_us_) < kPatience) return;
+  if (field_us_ - suspected_us_ < kSuspicion_us) return;
   const Eigen::Vector3d down_B = C_NB_.row(2).transpose();
   const double sigma = std::sqrt(down_B.dot(P_.topLeftCorner<3, 3>() * down_B));
   P_.topLeftCorner<3, 3>() += (2.0 * sigma * kDoubt * dt) * (down_B * down_B.transpose());

@@ -18,6 +18,7 @@
 #include "lodestar/samples/samples.h"
 #include "lodestar/samples/use.h"
 #include "lodestar/strapdown/frozen_flow.h"
+#include "lodestar/strapdown/saturated_rates.h"
 
 namespace lodestar::sahrs {
 
@@ -77,9 +78,10 @@ class PaperSahrs {
     Eigen::Matrix3d C_NB;
   };
 
-  static constexpr double kLongestBridge = 0.5;          // s of silence that are bridged
-  static constexpr std::int64_t kOldest_us = 1'000'000;  // age up to which a sample comes
-  static constexpr std::int64_t kFresh_us = 500'000;     // between samples that are used together
+  static constexpr double kLongestBridge = 0.5;              // s of silence that are bridged
+  static constexpr std::int64_t kOldest_us = 1'000'000;      // age up to which a sample comes
+  static constexpr std::int64_t kSuspicion_us = 60'000'000;  // after a field of another strength
+  static constexpr std::int64_t kFresh_us = 500'000;  // between samples that are used together
 
   static double seconds_between(std::int64_t earlier_us, std::int64_t later_us) {
     return 1e-6 * static_cast<double>(later_us - earlier_us);
@@ -130,6 +132,7 @@ class PaperSahrs {
   Covariance P_;
   PoseHistory history_;
   Alignment alignment_;
+  strapdown::SaturatedRates saturated_rates_;
 
   // The latest of each channel, and what follows from it.
   bool have_rates_ = false;
@@ -140,6 +143,7 @@ class PaperSahrs {
   std::int64_t load_us_ = 0;
   double climb_acceleration_ = 0.0;
   bool have_field_ = false;
+  std::int64_t suspected_us_ = -1'000'000'000'000;  // when the field was last of another strength
   std::int64_t field_us_ = 0;
   Eigen::Vector3d b_B_ = Eigen::Vector3d::Zero();
   bool have_air_ = false;

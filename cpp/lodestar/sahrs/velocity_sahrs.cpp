@@ -18,6 +18,7 @@ constexpr std::int64_t kFresh_us = 500'000;       // a sample this old still spe
 constexpr std::int64_t kCoasting_us = 2'000'000;  // without any measurement: coasting
 
 constexpr std::int64_t kPatience_us = 10'000'000;     // with a field that is not believed
+constexpr std::int64_t kSuspicion_us = 60'000'000;    // after a field of another strength
 constexpr double kDoubt = 0.5 * math::kDegree;        // rad/s that sigma then grows by
 constexpr double kLost = 30.0 * math::kDegree;        // sigma beyond which linear filtering ends
 constexpr std::int64_t kLongestWait_us = 10'000'000;  // for straight flight to align in
@@ -88,8 +89,9 @@ void VelocitySahrs::propagate(const samples::BodyRates& sample) {
   if (needs_alignment()) alignment_.observe_rates(filter_.corrected(omega_B_), now_us_);
   if (state_ != State::kRunning) return;
   // Between two known ends the rate did what it liked: the integral of a Brownian bridge.
-  const double hidden =
+  const double bridged =
       dt > kLongestFrame ? square(parameters_.gyro_gap_noise) * dt * dt * dt / 12.0 : 0.0;
+  const double hidden = bridged + saturated_rates_.see(sample.omega_B, dt);
   filter_.propagate(sample, hidden);
   if (coarse_) refine_alignment();
 }
@@ -123,6 +125,7 @@ samples::Use VelocitySahrs::update(const samples::MagneticField& sample) {
   if (!strong_enough(field.b_B)) {
     ++assumption_rejects_[static_cast<std::size_t>(Assumption::kFieldStrength)];
     field_refused_ = true;
+    suspected_us_ = sample.time_us;
     return samples::Use::kAssumption;
   }
   if (needs_alignment()) alignment_.observe_field(field.b_B, sample.time_us);
@@ -138,7 +141,8 @@ samples::Use VelocitySahrs::update(const samples::MagneticField& sample) {
 }
 
 // A field of another strength is that of something near the detector. It neither turns the attitude
-// nor speaks against it.
+// nor speaks against it, and for a while no more does one of the right strength that the gate keeps
+// out: what is fixed to the aircraft adds to the field at one heading and takes from it at another.
 bool VelocitySahrs::strong_enough(const Eigen::Vector3d& b_B) const {
   const strapdown::Estimate x = filter_.estimate();
   const double strength = (b_B - x.field_bias_B - x.field_drift_B).norm();
@@ -149,6 +153,7 @@ bool VelocitySahrs::strong_enough(const Eigen::Vector3d& b_B) const {
 // wrong, and in the long run there is no other reference: sigma grows until the field is believed.
 void VelocitySahrs::doubt_heading(std::int64_t before_us) {
   if (field_us_ - field_used_us_ < kPatience_us) return;
+  if (field_us_ - suspected_us_ < kSuspicion_us) return;
   const double sigma = std::sqrt(filter_.attitude_variance_N().z());
   filter_.doubt_heading(2.0 * sigma * kDoubt * std::min(seconds(field_us_, before_us), 1.0));
 }
@@ -181,7 +186,7 @@ void VelocitySahrs::note(samples::Use use, std::int64_t time_us) {
 }
 
 void VelocitySahrs::try_alignment() {
-  if (!have_field_ || !climb_.settled()) return;
+  if (!have_field_ || !climb_.settled() || now_us_ - suspected_us_ < kSuspicion_us) return;
   const std::int64_t oldest_us = std::min(field_us_, air_.time_us);
   if (now_us_ - oldest_us > kOldest_us || std::abs(air_.beta) > parameters_.max_sideslip ||
       air_.true_airspeed < filter_.parameters().min_airspeed) {

@@ -13,6 +13,7 @@
 #include "lodestar/samples/samples.h"
 #include "lodestar/samples/use.h"
 #include "lodestar/strapdown/parameters.h"
+#include "lodestar/strapdown/saturated_rates.h"
 #include "lodestar/strapdown/velocity_filter.h"
 
 namespace lodestar::sahrs {
@@ -64,6 +65,8 @@ class VelocitySahrs {
   const strapdown::VelocityFilter& filter() const { return filter_; }
 
  private:
+  static constexpr std::int64_t kNoSuspicion_us = -1'000'000'000'000;
+
   enum class State { kWaiting, kRunning, kRealigning };
 
   bool needs_alignment() const { return state_ != State::kRunning || lost_; }
@@ -89,13 +92,15 @@ class VelocitySahrs {
   std::int64_t last_used_us_ = 0;
   bool coarse_ = false;  // the alignment is still being refined
   std::int64_t started_us_ = 0;
-  bool field_refused_ = false;  // in this frame
+  std::int64_t suspected_us_ = kNoSuspicion_us;  // when the field was last of another strength
+  bool field_refused_ = false;                   // in this frame
   // Running, but so uncertain that an alignment is better than a linear correction.
   bool lost_ = false;       // heading or tilt: the field waits for the alignment
   bool lost_tilt_ = false;  // the air data wait, too
   std::int64_t field_used_us_ = 0;
   std::int64_t alignable_us_ = 0;  // since when a turn has been all there was to align in; 0: none
   Alignment alignment_;
+  strapdown::SaturatedRates saturated_rates_;
   RateFilter climb_;
   // The latest of each channel.
   bool have_rates_ = false;
