@@ -258,6 +258,64 @@ TYPED_TEST(SahrsForms, GatesASpikeOfTheFieldAndLeavesTheStateAlone) {
   EXPECT_EQ(this->sahrs_.attitude().rejected & 7, 7);
 }
 
+TYPED_TEST(SahrsForms, AMagnetNearbyNeitherTurnsTheHeadingNorMakesItDoubted) {
+  this->start_at_truth();
+  fly(this->flight_, this->sahrs_, 240.0);
+  double worst = 0.0;
+  for (int k = 0; k < 60 * 120; ++k) {
+    this->flight_.step();
+    this->sahrs_.propagate(this->flight_.body_rates());
+    this->sahrs_.update(this->flight_.load_factor());
+    if (this->flight_.slow_sensors_due()) {
+      samples::MagneticField field = this->flight_.magnetic_field();
+      field.b_B += Eigen::Vector3d::Constant(10500.0);  // nT
+      this->sahrs_.update(field);
+      this->sahrs_.update(this->flight_.air_data());
+    }
+    this->sahrs_.finish_frame();
+    EXPECT_TRUE(this->sahrs_.attitude().valid);
+    worst = std::max(worst, this->error());
+  }
+  const auto strength = static_cast<std::size_t>(sahrs::Assumption::kFieldStrength);
+  EXPECT_GT(this->sahrs_.assumption_rejects()[strength], 100);
+  EXPECT_EQ(this->sahrs_.attitude().reset_count, 0);
+  EXPECT_LT(worst, 10.0 * kDegree);
+}
+
+TYPED_TEST(SahrsForms, AFrozenPitotIsLeftOutAndCounted) {
+  this->start_at_truth();
+  fly(this->flight_, this->sahrs_, 60.0);
+  const double frozen = this->flight_.air_data().true_airspeed;
+  const auto live = static_cast<std::size_t>(sahrs::Assumption::kLiveFlow);
+  EXPECT_EQ(this->sahrs_.assumption_rejects()[live], 0);
+  for (int k = 0; k < 60 * 10; ++k) {
+    this->flight_.step();
+    this->sahrs_.propagate(this->flight_.body_rates());
+    this->sahrs_.update(this->flight_.load_factor());
+    if (this->flight_.slow_sensors_due()) {
+      samples::AirData air = this->flight_.air_data();
+      air.true_airspeed = frozen;
+      this->sahrs_.update(air);
+    }
+    this->sahrs_.finish_frame();
+  }
+  EXPECT_GE(this->sahrs_.assumption_rejects()[live], 30 * 9 - 2);  // all but the first second
+}
+
+TYPED_TEST(SahrsForms, AGyroAtTheEndOfItsRangeWidensSigma) {
+  this->start_at_truth(0.1 * kDegree);
+  fly(this->flight_, this->sahrs_, 30.0);
+  const double before = this->sahrs_.attitude().sigma_B().x();
+  for (int k = 0; k < 60; ++k) {
+    this->flight_.step();
+    samples::BodyRates rates = this->flight_.body_rates();
+    rates.omega_B.x() = 15.0 * kDegree;
+    this->sahrs_.propagate(rates);
+    this->sahrs_.finish_frame();
+  }
+  EXPECT_GT(this->sahrs_.attitude().sigma_B().x(), before + 8.0 * kDegree);
+}
+
 TYPED_TEST(SahrsForms, AppliesTheCalibrationOfTheField) {
   sahrs::FieldCalibration calibration;
   calibration.matrix << 1.02, 0.01, 0.0, -0.01, 0.97, 0.02, 0.0, 0.01, 1.01;
