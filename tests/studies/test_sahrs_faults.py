@@ -44,7 +44,7 @@ def test_a_stuck_vane_is_refused_and_counted_by_name(flown):
     assert sound.figure(beta)[0] == 0
     assert stuck.figure(beta)[0] == pytest.approx(30 * LENGTH_S, rel=0.1)  # air data at 30 Hz
     paper = of(flown, "/stuck-beta", "sahrs-paper")
-    assert paper.figure("check sideslip")[0] > 1000
+    assert paper.figure("check live flow")[0] > 1000
 
 
 def test_before_the_fault_a_flight_is_the_one_without_it(flown):
@@ -66,7 +66,7 @@ def test_rows_tell_errors_during_and_after_and_what_was_refused(flown):
     assert rows[f"{case}/during", "sahrs", "roll_max_deg"]["limit"] == 30.0
     assert "limit" not in rows[f"{case}/during", "sahrs-paper", "roll_max_deg"]
     assert rows[f"{case}/during", "sahrs", "rejected_beta"]["value"] > 3000
-    assert rows[f"{case}/during", "sahrs-paper", "rejected_check_sideslip"]["value"] > 1000
+    assert rows[f"{case}/during", "sahrs-paper", "rejected_check_live_flow"]["value"] > 1000
     assert ("ordinary/profile/none/during", "sahrs", "rejected_beta") not in rows
     refused = found.tables[1]
     assert any("beta" in row[-1] for row in refused.rows)

@@ -25,10 +25,11 @@ constexpr double kJump = 5.0 * math::kDegree;   // rad, a correction that users 
 samples::Use PaperSahrs::update(const samples::MagneticField& sample) {
   const Eigen::Vector3d b_B = calibration_.matrix * sample.b_B + calibration_.bias;
   const double strength = (b_B - field_bias_B_).norm() / b_N_.norm();
-  if (!holds(std::abs(strength - 1.0) <= parameters_.max_field_strength_error,
-             Assumption::kFieldStrength)) {
+  const bool strong_enough = holds(std::abs(strength - 1.0) <= parameters_.max_field_strength_error,
+                                   Assumption::kFieldStrength);
+  suspicion_.see(strong_enough, sample.time_us);
+  if (!strong_enough) {
     attitude_.rejected |= 7 << kFieldNorth;
-    suspected_us_ = sample.time_us;
     return samples::Use::kAssumption;
   }
   const double dt = have_field_ ? seconds_between(field_us_, sample.time_us) : 0.0;
@@ -53,7 +54,7 @@ samples::Use PaperSahrs::update(const samples::MagneticField& sample) {
 // wrong, and in the long run there is no other reference: sigma grows until the field is believed.
 void PaperSahrs::doubt_heading(double dt) {
   if (interval(kFieldNorth, field_us_) < kPatience) return;
-  if (field_us_ - suspected_us_ < kSuspicion_us) return;
+  if (suspicion_.lasts(field_us_)) return;
   const Eigen::Vector3d down_B = C_NB_.row(2).transpose();
   const double sigma = std::sqrt(down_B.dot(P_.topLeftCorner<3, 3>() * down_B));
   P_.topLeftCorner<3, 3>() += (2.0 * sigma * kDoubt * dt) * (down_B * down_B.transpose());

@@ -92,7 +92,7 @@ void PaperSahrs::integrate(const Eigen::Vector3d& before_B, double dt) {
 
 void PaperSahrs::try_alignment() {
   if (!needs_alignment() || !have_load_ || !have_air_ || !have_field_) return;
-  if (now_us_ - suspected_us_ < kSuspicion_us) return;
+  if (suspicion_.lasts(now_us_)) return;
   const std::int64_t oldest_us = std::min({load_us_, air_.time_us, field_us_});
   if (now_us_ - oldest_us > kOldest_us || air_.true_airspeed < parameters_.min_airspeed ||
       std::abs(air_.beta) > parameters_.max_sideslip || !climb_.settled()) {

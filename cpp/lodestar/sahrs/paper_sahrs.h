@@ -11,6 +11,7 @@
 #include "lodestar/math/rotation.h"
 #include "lodestar/sahrs/alignment.h"
 #include "lodestar/sahrs/error_model.h"
+#include "lodestar/sahrs/field_suspicion.h"
 #include "lodestar/sahrs/parameters.h"
 #include "lodestar/sahrs/pose_history.h"
 #include "lodestar/sahrs/rate_filter.h"
@@ -78,10 +79,9 @@ class PaperSahrs {
     Eigen::Matrix3d C_NB;
   };
 
-  static constexpr double kLongestBridge = 0.5;              // s of silence that are bridged
-  static constexpr std::int64_t kOldest_us = 1'000'000;      // age up to which a sample comes
-  static constexpr std::int64_t kSuspicion_us = 60'000'000;  // after a field of another strength
-  static constexpr std::int64_t kFresh_us = 500'000;  // between samples that are used together
+  static constexpr double kLongestBridge = 0.5;          // s of silence that are bridged
+  static constexpr std::int64_t kOldest_us = 1'000'000;  // age up to which a sample comes
+  static constexpr std::int64_t kFresh_us = 500'000;     // between samples that are used together
 
   static double seconds_between(std::int64_t earlier_us, std::int64_t later_us) {
     return 1e-6 * static_cast<double>(later_us - earlier_us);
@@ -143,7 +143,7 @@ class PaperSahrs {
   std::int64_t load_us_ = 0;
   double climb_acceleration_ = 0.0;
   bool have_field_ = false;
-  std::int64_t suspected_us_ = -1'000'000'000'000;  // when the field was last of another strength
+  FieldSuspicion suspicion_;
   std::int64_t field_us_ = 0;
   Eigen::Vector3d b_B_ = Eigen::Vector3d::Zero();
   bool have_air_ = false;

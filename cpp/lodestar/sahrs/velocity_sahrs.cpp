@@ -18,7 +18,6 @@ constexpr std::int64_t kFresh_us = 500'000;       // a sample this old still spe
 constexpr std::int64_t kCoasting_us = 2'000'000;  // without any measurement: coasting
 
 constexpr std::int64_t kPatience_us = 10'000'000;     // with a field that is not believed
-constexpr std::int64_t kSuspicion_us = 60'000'000;    // after a field of another strength
 constexpr double kDoubt = 0.5 * math::kDegree;        // rad/s that sigma then grows by
 constexpr double kLost = 30.0 * math::kDegree;        // sigma beyond which linear filtering ends
 constexpr std::int64_t kLongestWait_us = 10'000'000;  // for straight flight to align in
@@ -122,10 +121,11 @@ samples::Use VelocitySahrs::update(const samples::LoadFactor& sample) {
 samples::Use VelocitySahrs::update(const samples::MagneticField& sample) {
   samples::MagneticField field = sample;
   field.b_B = calibration_.matrix * sample.b_B + calibration_.bias;
-  if (!strong_enough(field.b_B)) {
+  const bool strong = strong_enough(field.b_B);
+  suspicion_.see(strong, sample.time_us);
+  if (!strong) {
     ++assumption_rejects_[static_cast<std::size_t>(Assumption::kFieldStrength)];
     field_refused_ = true;
-    suspected_us_ = sample.time_us;
     return samples::Use::kAssumption;
   }
   if (needs_alignment()) alignment_.observe_field(field.b_B, sample.time_us);
@@ -153,7 +153,7 @@ bool VelocitySahrs::strong_enough(const Eigen::Vector3d& b_B) const {
 // wrong, and in the long run there is no other reference: sigma grows until the field is believed.
 void VelocitySahrs::doubt_heading(std::int64_t before_us) {
   if (field_us_ - field_used_us_ < kPatience_us) return;
-  if (field_us_ - suspected_us_ < kSuspicion_us) return;
+  if (suspicion_.lasts(field_us_)) return;
   const double sigma = std::sqrt(filter_.attitude_variance_N().z());
   filter_.doubt_heading(2.0 * sigma * kDoubt * std::min(seconds(field_us_, before_us), 1.0));
 }
@@ -186,7 +186,7 @@ void VelocitySahrs::note(samples::Use use, std::int64_t time_us) {
 }
 
 void VelocitySahrs::try_alignment() {
-  if (!have_field_ || !climb_.settled() || now_us_ - suspected_us_ < kSuspicion_us) return;
+  if (!have_field_ || !climb_.settled() || suspicion_.lasts(now_us_)) return;
   const std::int64_t oldest_us = std::min(field_us_, air_.time_us);
   if (now_us_ - oldest_us > kOldest_us || std::abs(air_.beta) > parameters_.max_sideslip ||
       air_.true_airspeed < filter_.parameters().min_airspeed) {

@@ -7,6 +7,7 @@
 
 #include "lodestar/earth/cached_field.h"
 #include "lodestar/sahrs/alignment.h"
+#include "lodestar/sahrs/field_suspicion.h"
 #include "lodestar/sahrs/parameters.h"
 #include "lodestar/sahrs/rate_filter.h"
 #include "lodestar/samples/outputs.h"
@@ -65,8 +66,6 @@ class VelocitySahrs {
   const strapdown::VelocityFilter& filter() const { return filter_; }
 
  private:
-  static constexpr std::int64_t kNoSuspicion_us = -1'000'000'000'000;
-
   enum class State { kWaiting, kRunning, kRealigning };
 
   bool needs_alignment() const { return state_ != State::kRunning || lost_; }
@@ -92,8 +91,8 @@ class VelocitySahrs {
   std::int64_t last_used_us_ = 0;
   bool coarse_ = false;  // the alignment is still being refined
   std::int64_t started_us_ = 0;
-  std::int64_t suspected_us_ = kNoSuspicion_us;  // when the field was last of another strength
-  bool field_refused_ = false;                   // in this frame
+  FieldSuspicion suspicion_;
+  bool field_refused_ = false;  // in this frame
   // Running, but so uncertain that an alignment is better than a linear correction.
   bool lost_ = false;       // heading or tilt: the field waits for the alignment
   bool lost_tilt_ = false;  // the air data wait, too
