@@ -66,9 +66,12 @@ class ParquetStore:
         which = zlib.crc32(repr([result.cell for result in results]).encode())
         name = f"{first.cell.flight.replace('/', '-')}-{first.seed:06d}-{which:08x}.parquet"
         temporary = self.folder / f".{name}.part"
+        # Not straight to the file: a writer that Ctrl-C interrupts closes it late, and complains.
+        packed = pa.BufferOutputStream()
+        pq.write_table(_table(results, origin), packed, compression="zstd")
         try:
             with temporary.open("wb") as file:
-                pq.write_table(_table(results, origin), file, compression="zstd")
+                file.write(packed.getvalue())
                 file.flush()
                 os.fsync(file.fileno())
             temporary.replace(self.folder / name)
