@@ -16,25 +16,10 @@ import pytest
 
 from lodestar import channels as table
 from lodestar import recordings
-from lodestar.cli.main import app, main
+from lodestar.cli.main import app
 
 SHORT = 'base = "ordinary"\nduration_s = 90\n'
 PROGRAM = [sys.executable, "-c", "from lodestar.cli.main import main; main()"]
-
-
-@pytest.fixture
-def lodestar(monkeypatch, capfd, tmp_path):
-    """Runs the program in this process, in a folder of its own: (exit status, stdout, stderr)."""
-    monkeypatch.chdir(tmp_path)
-
-    def run(*arguments) -> tuple[int, str, str]:
-        monkeypatch.setattr(sys, "argv", ["lodestar", *map(str, arguments)])
-        with pytest.raises(SystemExit) as ended:
-            main()
-        out, err = capfd.readouterr()
-        return ended.value.code or 0, out, err
-
-    return run
 
 
 @pytest.fixture(scope="module")

@@ -8,7 +8,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from lodestar.cli.main import main
 from lodestar.errors import InputError
 from lodestar.evaluation.requirements import CALM, goals
 from lodestar.harness.scenario import fly_truth, load_scenario, simulate
@@ -21,21 +20,6 @@ from lodestar.studies.sahrs_plots import plots
 
 RNG = np.random.default_rng(5)
 N = 60_000
-
-
-@pytest.fixture
-def lodestar(monkeypatch, capfd, tmp_path):
-    """Runs the program in this process, in a folder of its own: (exit status, stdout, stderr)."""
-    monkeypatch.chdir(tmp_path)
-
-    def run(*arguments) -> tuple[int, str, str]:
-        monkeypatch.setattr(sys, "argv", ["lodestar", *map(str, arguments)])
-        with pytest.raises(SystemExit) as ended:
-            main()
-        out, err = capfd.readouterr()
-        return ended.value.code or 0, out, err
-
-    return run
 
 
 def errors(scale=1.0):

@@ -125,11 +125,11 @@ def run(
     this study that were made from something else.
     """
     origins = {flight: origin(study, flight) for flight in _flights(study)}
-    todo = _tasks(study, seeds, store, origins)
+    missing = _tasks(study, seeds, store, origins)
     total = len(origins) * len(seeds)
-    done = total - len(todo)
+    done = total - len(missing)
     progress(done, total)
-    for results in pool.work(_fly, todo):
+    for results in pool.work(_fly, missing):
         store.add(results, origins[results[0].cell.flight])
         done += 1
         progress(done, total)

@@ -25,7 +25,7 @@ from lodestar.studies.sahrs_faults import (
     START_S,
     WHAT,
 )
-from lodestar.studies.sahrs_findings import MAXIMA, RMSE
+from lodestar.studies.sahrs_findings import MAXIMA, RMSE, errors_within
 
 _REASONS = (
     *(f"{channel} {reason}" for channel in CHANNELS for reason in REASONS),
@@ -90,11 +90,9 @@ def _errors(ensembles: Sequence[Ensemble]) -> Table:
     for number, ensemble in enumerate(ensembles):
         cells = []
         for window in ("during", "after"):
-            for metrics, total in ((RMSE, np.mean), (MAXIMA, np.max)):
-                values = [ensemble.figure(f"{window}_{metric}") for metric in metrics]
-                cells.append(" / ".join(f"{total(one):.2f}" for one in values))
-                limits = [requirements.CALM[metric] for metric in metrics]
-                if any(not np.max(v) <= most for v, most in zip(values, limits, strict=True)):
+            for cell, over in errors_within(ensemble, window, requirements.CALM):
+                cells.append(cell)
+                if over:
                     bad.add((number, len(cells) + 1))
         rotation = f"{np.max(ensemble.figure('during_rotation_max_deg')):.2f}"
         valid = f"{100 * np.mean(ensemble.figure('during_valid_share')):.0f}"

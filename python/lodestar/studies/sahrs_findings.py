@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 
 import numpy as np
 
@@ -227,11 +227,9 @@ def _hard(ensembles: Sequence[Ensemble]) -> Table:
         cells = []
         for window in WINDOWS:
             required = requirements.CALM if window == "after" else requirements.HARD
-            for metrics, total in ((RMSE, np.mean), (MAXIMA, np.max)):
-                values = [ensemble.figure(f"{window}_{metric}") for metric in metrics]
-                cells.append(" / ".join(f"{total(one):.2f}" for one in values))
-                limits = [required.get(metric, np.inf) for metric in metrics]
-                if any(not np.max(v) <= most for v, most in zip(values, limits, strict=True)):
+            for cell, over in errors_within(ensemble, window, required):
+                cells.append(cell)
+                if over:
                     bad.add((len(body), len(cells) + 1))
         body.append((*_names(ensemble), *cells))
     header = (
@@ -246,6 +244,16 @@ def _hard(ensembles: Sequence[Ensemble]) -> Table:
         f"Hard manoeuvring: during it, and from {RECOVERY_S:g} s after its end ({' / '.join(AXES)})"
     )
     return Table(title, header, body, frozenset(bad))
+
+
+def errors_within(
+    ensemble: Ensemble, window: str, limits: Mapping[str, float]
+) -> Iterator[tuple[str, bool]]:
+    """Rms, then worst, of the axes in a window, and whether one flight is over a limit."""
+    for metrics, total in ((RMSE, np.mean), (MAXIMA, np.max)):
+        values = {metric: ensemble.figure(f"{window}_{metric}") for metric in metrics}
+        over = any(not np.max(v) <= limits.get(metric, np.inf) for metric, v in values.items())
+        yield " / ".join(f"{total(one):.2f}" for one in values.values()), over
 
 
 def _consistency(ensembles: Sequence[Ensemble]) -> Table:
