@@ -23,7 +23,7 @@ struct Parameters {
 
   // Magnetic field. The drift is that of the sensor, 60 nT, and the error of the field model.
   double field_noise = 80.0;                  // nT
-  math::GaussMarkov field_drift{65.0, 60.0};  // nT, s
+  math::GaussMarkov field_drift{55.0, 60.0};  // nT, s
   double field_bias_sigma = 500.0;            // nT
   double field_matrix_sigma = 0.003;
 
@@ -40,14 +40,14 @@ struct Parameters {
 
   // The air.
   double wind_walk = 0.1;            // m/s/sqrt(s), at the start
-  double wind_walk_min = 0.06;       // m/s/sqrt(s)
+  double wind_walk_min = 0.05;       // m/s/sqrt(s)
   double wind_walk_max = 2.0;        // m/s/sqrt(s)
   double wind_adaptation = 3.0;      // s
   double vertical_wind_ratio = 0.3;  // of the same
   double height_walk = 0.05;         // m/sqrt(s)
   double gust_length = 430.0;        // m
   double gust_sigma = 2.0;           // m/s, at the start
-  double gust_sigma_min = 0.05;      // m/s
+  double gust_sigma_min = 0.02;      // m/s
   double gust_sigma_max = 8.0;       // m/s
   double gust_adaptation = 3.0;      // s
 
