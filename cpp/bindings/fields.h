@@ -159,6 +159,7 @@ void fields(const samples::Health& s, Visit&& visit) {
   visit("cycle_max", s.cycle.max);
   visit("cycle_histogram", s.cycle.histogram);
   visit("sahrs_form", static_cast<std::int8_t>(s.sahrs_form));
+  visit("fusion_filter", static_cast<std::int8_t>(s.fusion_filter));
   visit("sahrs_mode", static_cast<std::int8_t>(s.sahrs_mode));
   visit("fusion_mode", static_cast<std::int8_t>(s.fusion_mode));
   visit("ahrs_mode", static_cast<std::int8_t>(s.ahrs_mode));

@@ -275,6 +275,7 @@ void encode(const samples::Health& s, Message& message) noexcept {
   m.cycle_max = s.cycle.max;
   store(s.cycle.histogram, m.cycle_histogram);
   m.sahrs_form = static_cast<std::int8_t>(s.sahrs_form);
+  m.fusion_filter = static_cast<std::int8_t>(s.fusion_filter);
   m.sahrs_mode = static_cast<std::int8_t>(s.sahrs_mode);
   m.fusion_mode = static_cast<std::int8_t>(s.fusion_mode);
   m.ahrs_mode = static_cast<std::int8_t>(s.ahrs_mode);

@@ -11,9 +11,9 @@ namespace {
 constexpr double kLargestAngleVariance = 1.0;  // rad^2
 
 // d(heading, pitch, roll) / d(small rotation in B); near the vertical as at 84 degrees of pitch.
-Eigen::Matrix3d angles_by_rotation_B(const samples::Attitude& sahrs) {
-  const double sr = std::sin(sahrs.roll), cr = std::cos(sahrs.roll);
-  const double sp = std::sin(sahrs.pitch), cp = std::max(0.1, std::cos(sahrs.pitch));
+Eigen::Matrix3d angles_by_rotation_B(const math::Euler& attitude) {
+  const double sr = std::sin(attitude.roll), cr = std::cos(attitude.roll);
+  const double sp = std::sin(attitude.pitch), cp = std::max(0.1, std::cos(attitude.pitch));
   Eigen::Matrix3d E;
   E << 0.0, sr / cp, cr / cp,  //
       0.0, cr, -sr,            //
@@ -32,9 +32,15 @@ Eigen::Vector2d sample_variance(const CascadeParameters& parameters, const Track
 
 }  // namespace
 
+Eigen::Vector3d angle_sigma(const math::Euler& attitude, const Eigen::Matrix3d& P_B) {
+  const Eigen::Matrix3d E = angles_by_rotation_B(attitude);
+  const Eigen::Vector3d variance = (E * P_B * E.transpose()).diagonal();
+  return Eigen::Vector3d(variance.z(), variance.y(), variance.x()).cwiseSqrt();
+}
+
 Eigen::Vector3d angle_variance(const CascadeParameters& parameters,
                                const samples::Attitude& sahrs) {
-  const Eigen::Matrix3d E = angles_by_rotation_B(sahrs);
+  const Eigen::Matrix3d E = angles_by_rotation_B({sahrs.roll, sahrs.pitch, sahrs.heading});
   const Eigen::Vector3d stated = (E * sahrs.P_B * E.transpose()).diagonal();
   const Eigen::Vector3d floor(parameters.heading_error.sigma, parameters.pitch_error.sigma,
                               parameters.roll_error.sigma);

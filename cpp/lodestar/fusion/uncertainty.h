@@ -12,6 +12,9 @@ namespace lodestar::fusion {
 /// itself, and no less than configured.
 Eigen::Vector3d angle_variance(const CascadeParameters& parameters, const samples::Attitude& sahrs);
 
+/// 1 sigma of roll, pitch and heading (rad) of a small rotation of covariance `P_B` (rad^2, in B).
+Eigen::Vector3d angle_sigma(const math::Euler& attitude, const Eigen::Matrix3d& P_B);
+
 /// Fills the horizontal standard deviations of position, velocity and wind, and those of the
 /// attitude: the filter's, and of what its nine states leave out: sample noise, gusts of
 /// `gust_variance` ((m/s)^2), constant errors of airspeed and sideslip.

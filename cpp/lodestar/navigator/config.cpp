@@ -188,6 +188,25 @@ const toml::table* subtable(const toml::table& parent, const std::string& name,
   return node->as_table();
 }
 
+/// "top.child" as its two parts; the second may be empty.
+std::pair<std::string, std::string> split(const std::string& name) {
+  const std::size_t dot = name.find('.');
+  if (dot == std::string::npos) return {name, ""};
+  return {name.substr(0, dot), name.substr(dot + 1)};
+}
+
+/// The top-level tables of a configuration, and the subtables of each.
+std::map<std::string, std::set<std::string>> subsections() {
+  std::map<std::string, std::set<std::string>> sections;
+  const Config defaults;
+  Config::describe(defaults, [&sections](const std::string& name, const auto&) {
+    const auto [top, child] = split(name);
+    std::set<std::string>& children = sections[top];
+    if (!child.empty()) children.insert(child);
+  });
+  return sections;
+}
+
 /// One row of the parameter table per parameter.
 struct TableWriter {
   std::ostringstream& out;
@@ -244,28 +263,24 @@ Config parse_config(std::string_view text, const std::string& source) {
   const toml::table root = parse_toml(text, source);
   Config config;
   config.hash = math::crc32(text);
-  std::map<std::string, std::set<std::string>> sections;  // top-level table, its subtables
+  const std::map<std::string, std::set<std::string>> sections = subsections();
+  std::set<std::string> read;
   Config::describe(config, [&](const std::string& name, auto& parameters) {
     using Parameters = std::decay_t<decltype(parameters)>;
-    const std::size_t dot = name.find('.');
-    const std::string top = name.substr(0, dot);
-    std::set<std::string>& children = sections[top];
+    read.insert(name);
+    const auto [top, child] = split(name);
     const toml::table* table = subtable(root, top, source);
-    if (dot != std::string::npos) {
-      const std::string child = name.substr(dot + 1);
-      children.insert(child);
-      if (table != nullptr) table = subtable(*table, child, source);
-    }
+    if (table != nullptr && !child.empty()) table = subtable(*table, child, source);
     if (table == nullptr) return;
     SectionReader reader(*table, name, source);
     Parameters::describe(parameters, reader);
-    reader.refuse_unknown();
+    reader.refuse_unknown(child.empty() ? sections.at(top) : std::set<std::string>{});
   });
   std::set<std::string> tops;
   for (const auto& [top, children] : sections) {
     tops.insert(top);
     const toml::table* table = subtable(root, top, source);
-    if (table == nullptr || children.empty()) continue;
+    if (table == nullptr || read.count(top) != 0) continue;
     SectionReader(*table, top, source).refuse_unknown(children);
   }
   SectionReader(root, "", source).refuse_unknown(tops);

@@ -9,6 +9,8 @@
 
 #include "lodestar/earth/geomagnetic_model.h"
 #include "lodestar/fusion/cascade_parameters.h"
+#include "lodestar/fusion/fusion_parameters.h"
+#include "lodestar/fusion/integrated_parameters.h"
 #include "lodestar/math/parameter.h"
 #include "lodestar/math/rotation.h"
 #include "lodestar/monitor/parameters.h"
@@ -120,7 +122,9 @@ struct Config {
   sahrs::smdu::SwingParameters smdu_ground_swing;
   sahrs::Parameters sahrs;
   strapdown::Parameters strapdown;
+  fusion::FusionParameters fusion;
   fusion::CascadeParameters cascade;
+  fusion::IntegratedParameters integrated;
   monitor::InsMonitorParameters ins_monitor;
   std::uint32_t hash = 0;  // CRC-32 of the text it was read from; 0 for the built-in defaults
 
@@ -136,6 +140,8 @@ struct Config {
     section("smdu_ground_swing", self.smdu_ground_swing);
     section("sahrs", self.sahrs);
     section("strapdown", self.strapdown);
+    section("fusion", self.fusion);
+    section("fusion.integrated", self.integrated);
     section("fusion.cascade", self.cascade);
     section("monitor.ins", self.ins_monitor);
   }

@@ -13,18 +13,22 @@ namespace {
 
 constexpr std::int64_t kMonitorStep = kSecond / 10;  // between two INS.MONITOR
 
+/// With what the calibration of the detector leaves.
+strapdown::Parameters strapdown_parameters(const Config& config) {
+  strapdown::Parameters parameters = config.strapdown;
+  const sahrs::FieldCalibration& calibration = config.smdu_calibration;
+  if (calibration.bias_sigma) parameters.field_bias_sigma = *calibration.bias_sigma;
+  if (calibration.matrix_sigma) parameters.field_matrix_sigma = *calibration.matrix_sigma;
+  return parameters;
+}
+
 sahrs::Sahrs make_sahrs(const Config& config) {
   sahrs::Parameters paper = config.sahrs;
-  strapdown::Parameters velocity = config.strapdown;
   const sahrs::FieldCalibration& calibration = config.smdu_calibration;
-  if (calibration.bias_sigma) {
-    paper.field_bias.sigma = velocity.field_bias_sigma = *calibration.bias_sigma;
-  }
-  if (calibration.matrix_sigma) {
-    paper.field_matrix_sigma = velocity.field_matrix_sigma = *calibration.matrix_sigma;
-  }
-  sahrs::Sahrs sahrs(paper, velocity, calibration, config.earth.geomagnetic_model,
-                     config.earth.epoch_year);
+  if (calibration.bias_sigma) paper.field_bias.sigma = *calibration.bias_sigma;
+  if (calibration.matrix_sigma) paper.field_matrix_sigma = *calibration.matrix_sigma;
+  sahrs::Sahrs sahrs(paper, strapdown_parameters(config), calibration,
+                     config.earth.geomagnetic_model, config.earth.epoch_year);
   const InitialParameters& initial = config.initial;
   sahrs.set_position(initial.lat, initial.lon, initial.h);
   return sahrs;
@@ -35,17 +39,30 @@ sahrs::smdu::CalibrationFilter make_calibration(const Config& config) {
                                         config.earth.geomagnetic_model, config.earth.epoch_year);
 }
 
-fusion::Cascade make_cascade(const Config& config) {
-  fusion::CascadeParameters parameters = config.cascade;
+template <class Parameters>
+void set_initial_position(Parameters& parameters, const InitialParameters& initial) {
+  if (!initial.position_sigma) return;
+  parameters.initial_lat = initial.lat;
+  parameters.initial_lon = initial.lon;
+  parameters.initial_position_sigma = *initial.position_sigma;
+}
+
+fusion::Fusion make_fusion(const Config& config) {
   const InitialParameters& initial = config.initial;
-  parameters.initial_heading = initial.heading;
-  parameters.initial_heading_sigma = initial.heading_sigma;
-  if (initial.position_sigma) {
-    parameters.initial_lat = initial.lat;
-    parameters.initial_lon = initial.lon;
-    parameters.initial_position_sigma = *initial.position_sigma;
+  if (config.fusion.filter == samples::FusionFilter::kCascade) {
+    fusion::CascadeParameters parameters = config.cascade;
+    parameters.initial_heading = initial.heading;
+    parameters.initial_heading_sigma = initial.heading_sigma;
+    set_initial_position(parameters, initial);
+    return fusion::Fusion(fusion::Cascade(parameters));
   }
-  return fusion::Cascade(parameters);
+  fusion::IntegratedParameters parameters = config.integrated;
+  set_initial_position(parameters, initial);
+  fusion::Integrated integrated(parameters, strapdown_parameters(config),
+                                sahrs::guard_limits(config.sahrs), config.earth.geomagnetic_model,
+                                config.earth.epoch_year);
+  integrated.set_position(initial.lat, initial.lon, initial.h);
+  return fusion::Fusion(integrated);
 }
 
 }  // namespace
@@ -54,7 +71,7 @@ Navigator::Navigator(const Config& config)
     : config_(config),
       field_model_(config.earth.geomagnetic_model),
       sahrs_(make_sahrs(config)),
-      cascade_(make_cascade(config)),
+      fusion_(make_fusion(config)),
       calibration_(make_calibration(config)),
       ins_monitor_(config.ins_monitor, config.timeout.ins),
       body_rates_(config.timeout.body_rates),
@@ -153,7 +170,7 @@ void Navigator::start(std::int64_t time_us) {
 void Navigator::start_over() {
   restarts_ = static_cast<std::int16_t>(outputs_.sahrs.reset_count + 1);
   sahrs_ = make_sahrs(config_);
-  cascade_ = make_cascade(config_);
+  fusion_ = make_fusion(config_);
   calibration_ = make_calibration(config_);
   ins_monitor_ = monitor::InsMonitor(config_.ins_monitor, config_.timeout.ins);
   body_rates_.restart();
@@ -169,18 +186,21 @@ void Navigator::start_over() {
 
 void Navigator::estimate(const samples::BodyRates& rates) {
   sahrs_.propagate(rates);
+  fusion_.propagate(rates);
   apply_in_order(std::get<0>(inputs_), std::get<1>(inputs_), std::get<2>(inputs_));
   sahrs_.finish_frame();
-  cascade_.propagate(sahrs_.attitude());
+  fusion_.follow(sahrs_.attitude());
   apply_in_order(std::get<3>(inputs_));
   ins_monitor_.propagate(sahrs_.attitude());
   apply_in_order(std::get<4>(inputs_));
   if (const auto heading = ins_monitor_.take_failure()) {
-    cascade_.know_heading_error(heading->error, heading->sigma, heading->time_us);
+    fusion_.know_heading_error(heading->error, heading->sigma, heading->time_us);
   }
   std::apply([this](auto&... input) { (drop_future(input), ...); }, inputs_);
-  const samples::Navigation& nav = cascade_.navigation();
-  if (nav.valid) sahrs_.set_position(nav.lat, nav.lon, nav.h);
+  const samples::Navigation& nav = fusion_.navigation();
+  if (!nav.valid) return;
+  sahrs_.set_position(nav.lat, nav.lon, nav.h);
+  fusion_.set_position(nav.lat, nav.lon, nav.h);
 }
 
 // Without rates the attitude is held, and no measurement can be compared with it: those wait for
@@ -188,7 +208,7 @@ void Navigator::estimate(const samples::BodyRates& rates) {
 void Navigator::coast(std::int64_t time_us) {
   samples::Attitude held = sahrs_.attitude();
   held.time_us = time_us;
-  cascade_.propagate(held);
+  fusion_.coast(held);
 }
 
 template <class... Inputs>
@@ -233,13 +253,21 @@ void Navigator::apply_front(AnyInput& input) {
   input.pending.pop();
 }
 
+Use Navigator::apply(const samples::LoadFactor& sample) {
+  fusion_.update(sample);
+  return sahrs_.update(sample);
+}
+
 Use Navigator::apply(const samples::MagneticField& sample) {
   calibration_.update(sample);
+  samples::MagneticField calibrated = sample;
+  calibrated.b_B = config_.smdu_calibration.apply(sample.b_B);
+  fusion_.update(calibrated);
   return sahrs_.update(sample);
 }
 
 Use Navigator::apply(const samples::AirData& sample) {
-  cascade_.update(sample);
+  fusion_.update(sample);
   return sahrs_.update(sample);
 }
 
@@ -266,7 +294,7 @@ void Navigator::drop_future(AnyInput& input) {
 
 void Navigator::publish(std::int64_t time_us, bool first) {
   outputs_.sahrs = sahrs_.attitude();
-  outputs_.nav = cascade_.navigation();
+  outputs_.nav = fusion_.navigation();
   outputs_.sahrs.time_us = time_us;
   outputs_.nav.time_us = time_us;
   outputs_.sahrs.reset_count = static_cast<std::int16_t>(outputs_.sahrs.reset_count + restarts_);
@@ -308,6 +336,7 @@ samples::Health Navigator::health() const {
   set_state(Channel::kSar, sar_);
   set_state(Channel::kRadarAltitude, radar_altitude_);
   health.sahrs_form = sahrs_.form();
+  health.fusion_filter = fusion_.filter();
   health.sahrs_mode = outputs_.sahrs.mode;
   health.fusion_mode = outputs_.nav.mode;
   health.calibration_id = calibration_id(config_.smdu_calibration);
@@ -318,8 +347,8 @@ samples::Health Navigator::health() const {
   std::copy(innovation_sigma.begin(), innovation_sigma.end(), health.innovation_sigma.begin());
   for (int axis = 0; axis < 2; ++axis) {
     const std::size_t row = innovation.size() + static_cast<std::size_t>(axis);
-    health.innovation[row] = cascade_.innovation()(axis);
-    health.innovation_sigma[row] = cascade_.innovation_sigma()(axis);
+    health.innovation[row] = fusion_.innovation()(axis);
+    health.innovation_sigma[row] = fusion_.innovation_sigma()(axis);
   }
   health.assumption_rejects = sahrs_.assumption_rejects();
   const double h = outputs_.nav.valid ? outputs_.nav.h : config_.initial.h;

@@ -5,7 +5,7 @@
 #include <tuple>
 
 #include "lodestar/earth/geomagnetic_model.h"
-#include "lodestar/fusion/cascade.h"
+#include "lodestar/fusion/fusion.h"
 #include "lodestar/monitor/ins_monitor.h"
 #include "lodestar/navigator/config.h"
 #include "lodestar/navigator/frame_clock.h"
@@ -100,10 +100,10 @@ class Navigator {
   void apply_in_order(Inputs&... inputs);
   template <class AnyInput>
   void apply_front(AnyInput& input);
-  samples::Use apply(const samples::LoadFactor& sample) { return sahrs_.update(sample); }
+  samples::Use apply(const samples::LoadFactor& sample);
   samples::Use apply(const samples::MagneticField& sample);
   samples::Use apply(const samples::AirData& sample);
-  samples::Use apply(const samples::GpsFix& sample) { return cascade_.update(sample); }
+  samples::Use apply(const samples::GpsFix& sample) { return fusion_.update(sample); }
   samples::Use apply(const samples::InsSolution& sample);
   template <class AnyInput>
   void drop_future(AnyInput& input);
@@ -113,7 +113,7 @@ class Navigator {
   earth::GeomagneticModel field_model_;  // for its validity
   FrameClock clock_;
   sahrs::Sahrs sahrs_;
-  fusion::Cascade cascade_;
+  fusion::Fusion fusion_;
   sahrs::smdu::CalibrationFilter calibration_;
   monitor::InsMonitor ins_monitor_;
   samples::Counters counters_{};

@@ -23,7 +23,7 @@ constexpr double kJump = 5.0 * math::kDegree;   // rad, a correction that users 
 }  // namespace
 
 samples::Use PaperSahrs::update(const samples::MagneticField& sample) {
-  const Eigen::Vector3d b_B = calibration_.matrix * sample.b_B + calibration_.bias;
+  const Eigen::Vector3d b_B = calibration_.apply(sample.b_B);
   const double strength = (b_B - field_bias_B_).norm() / b_N_.norm();
   const bool strong_enough = holds(std::abs(strength - 1.0) <= parameters_.max_field_strength_error,
                                    Assumption::kFieldStrength);

@@ -11,13 +11,13 @@
 #include "lodestar/math/rotation.h"
 #include "lodestar/sahrs/alignment.h"
 #include "lodestar/sahrs/error_model.h"
-#include "lodestar/sahrs/field_suspicion.h"
 #include "lodestar/sahrs/parameters.h"
 #include "lodestar/sahrs/pose_history.h"
 #include "lodestar/sahrs/rate_filter.h"
 #include "lodestar/samples/outputs.h"
 #include "lodestar/samples/samples.h"
 #include "lodestar/samples/use.h"
+#include "lodestar/strapdown/field_suspicion.h"
 #include "lodestar/strapdown/frozen_flow.h"
 #include "lodestar/strapdown/saturated_rates.h"
 
@@ -143,7 +143,7 @@ class PaperSahrs {
   std::int64_t load_us_ = 0;
   double climb_acceleration_ = 0.0;
   bool have_field_ = false;
-  FieldSuspicion suspicion_;
+  strapdown::FieldSuspicion suspicion_;
   std::int64_t field_us_ = 0;
   Eigen::Vector3d b_B_ = Eigen::Vector3d::Zero();
   bool have_air_ = false;

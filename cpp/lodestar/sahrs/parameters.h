@@ -42,6 +42,9 @@ struct FieldCalibration {
   std::optional<double> bias_sigma;                // nT
   std::optional<double> matrix_sigma;              // -
 
+  /// The field (nT) of what was measured.
+  Eigen::Vector3d apply(const Eigen::Vector3d& raw_B) const { return matrix * raw_B + bias; }
+
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
     visit(self.bias, {"bias_nT", "nT", -200e3, 200e3, "Added to the raw field"});

@@ -5,19 +5,20 @@
 #include <array>
 #include <cstdint>
 
-#include "lodestar/earth/cached_field.h"
+#include "lodestar/earth/geomagnetic_model.h"
 #include "lodestar/sahrs/alignment.h"
-#include "lodestar/sahrs/field_suspicion.h"
 #include "lodestar/sahrs/parameters.h"
 #include "lodestar/sahrs/rate_filter.h"
 #include "lodestar/samples/outputs.h"
 #include "lodestar/samples/samples.h"
 #include "lodestar/samples/use.h"
+#include "lodestar/strapdown/guarded_filter.h"
 #include "lodestar/strapdown/parameters.h"
-#include "lodestar/strapdown/saturated_rates.h"
-#include "lodestar/strapdown/velocity_filter.h"
 
 namespace lodestar::sahrs {
+
+/// What of `parameters` a filter of the strapdown family is guarded by.
+strapdown::GuardLimits guard_limits(const Parameters& parameters);
 
 /// Synthetic attitude and heading reference in its velocity-aided form: the velocity relative to
 /// the air is a state, so that no measurement takes steady flight for granted, and every attitude
@@ -36,7 +37,7 @@ class VelocitySahrs {
 
   /// Where the aircraft is: latitude, longitude (rad), height (m). For the field model, gravity and
   /// the Earth's rotation only; a few kilometres do not matter.
-  void set_position(double lat, double lon, double h);
+  void set_position(double lat, double lon, double h) { guard_.set_position(lat, lon, h); }
 
   /// The attitude at `time_us`, known from elsewhere to `sigma_B` (rad, about the body axes), in
   /// place of the alignment by vector measurements.
@@ -56,53 +57,34 @@ class VelocitySahrs {
 
   /// Latest innovations, measured minus predicted, and their standard deviations; 0 before the
   /// first.
-  const Rows& innovation() const { return filter_.innovation(); }
-  const Rows& innovation_sigma() const { return filter_.innovation_sigma(); }
+  const Rows& innovation() const { return filter().innovation(); }
+  const Rows& innovation_sigma() const { return filter().innovation_sigma(); }
   /// How often each assumption kept a measurement out: those of airspeed, field strength and live
   /// flow are made, and that of balance by the alignment.
   const std::array<std::int64_t, kAssumptions>& assumption_rejects() const {
     return assumption_rejects_;
   }
-  const strapdown::VelocityFilter& filter() const { return filter_; }
+  const strapdown::VelocityFilter& filter() const { return guard_.filter(); }
 
  private:
   enum class State { kWaiting, kRunning, kRealigning };
 
-  bool needs_alignment() const { return state_ != State::kRunning || lost_; }
+  bool needs_alignment() const { return state_ != State::kRunning || guard_.lost(); }
   void try_alignment();
   void align_to(const Aligned& aligned);
   void begin(const Eigen::Matrix3d& C_NB, const Eigen::Vector3d& sigma_B, std::int64_t time_us);
-  void refine_alignment();
-  bool strong_enough(const Eigen::Vector3d& b_B) const;
-  void doubt_heading(std::int64_t before_us);
-  void note(samples::Use use, std::int64_t time_us);
   samples::AttitudeMode mode(bool certain) const;
 
   Parameters parameters_;
   FieldCalibration calibration_;
-  double epoch_year_;
-  earth::CachedField field_model_;
-  strapdown::VelocityFilter filter_;
-  Eigen::Vector3d b_N_ = Eigen::Vector3d::Zero();
-  double gravity_ = samples::kStandardGravity;
+  strapdown::GuardedFilter<strapdown::kStates> guard_;
 
   State state_ = State::kWaiting;
   std::int64_t now_us_ = 0;
-  std::int64_t last_used_us_ = 0;
-  bool coarse_ = false;  // the alignment is still being refined
-  std::int64_t started_us_ = 0;
-  FieldSuspicion suspicion_;
-  bool field_refused_ = false;  // in this frame
-  // Running, but so uncertain that an alignment is better than a linear correction.
-  bool lost_ = false;       // heading or tilt: the field waits for the alignment
-  bool lost_tilt_ = false;  // the air data wait, too
-  std::int64_t field_used_us_ = 0;
   std::int64_t alignable_us_ = 0;  // since when a turn has been all there was to align in; 0: none
   Alignment alignment_;
-  strapdown::SaturatedRates saturated_rates_;
   RateFilter climb_;
   // The latest of each channel.
-  bool have_rates_ = false;
   Eigen::Vector3d omega_B_ = Eigen::Vector3d::Zero();
   bool have_load_ = false;
   std::int64_t load_us_ = 0;

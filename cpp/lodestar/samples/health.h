@@ -33,6 +33,7 @@ struct Health {
   CycleTimes cycle{};
   SahrsForm sahrs_form = SahrsForm::kVelocity;
   AttitudeMode sahrs_mode = AttitudeMode::kWaiting;
+  FusionFilter fusion_filter = FusionFilter::kIntegrated;
   FusionMode fusion_mode = FusionMode::kWaiting;
   AttitudeMode ahrs_mode = AttitudeMode::kWaiting;
   std::array<std::int64_t, kAssumptions> assumption_rejects{};

@@ -50,6 +50,9 @@ struct Attitude {
 /// What SAHRS is made of; the measurements that bits and rows speak of are those of its form.
 enum class SahrsForm : std::int8_t { kVelocity = 0, kPaper = 1 };
 
+/// What gives NAV.
+enum class FusionFilter : std::int8_t { kIntegrated = 0, kCascade = 1 };
+
 /// NAV.
 struct Navigation {
   std::int64_t time_us = 0;

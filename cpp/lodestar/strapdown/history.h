@@ -17,7 +17,8 @@ struct Corrections {
   double height = 0.0;
   double baro_height = 0.0;
 
-  void add(const StateVector& x) {
+  template <int N>
+  void add(const Eigen::Matrix<double, N, 1>& x) {
     const Eigen::Quaterniond more = turn_of(part<3>(x, kAttitude));
     turn = (more * turn).normalized();
     velocity_N = more * velocity_N + part<3>(x, kVelocity);
@@ -38,12 +39,15 @@ struct Moment {
   Eigen::Vector3d acceleration_N = Eigen::Vector3d::Zero();  // m/s^2
   Eigen::Vector3d force_N = Eigen::Vector3d::Zero();         // m/s^2, as used
   double baro_rate = 0.0;                                    // m/s
+  Eigen::Vector2d travelled = Eigen::Vector2d::Zero();       // m, north, east, over the ground
+  Eigen::Vector2d v_N = Eigen::Vector2d::Zero();             // m/s, north, east, over the ground
   Corrections corrections;                                   // made until then
 
   /// Moves on by `dt` (s) at the rates of the frame.
   void extrapolate(double dt) {
     q_NB = q_NB * math::exp_quaternion(dt * omega_NB_B);
     height -= dt * air_velocity_N.z();
+    travelled += dt * v_N;
     air_velocity_N += dt * acceleration_N;
     impulse_N += dt * force_N;
     baro_height += dt * baro_rate;

@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "lodestar/earth/wgs84.h"
 #include "lodestar/strapdown/sparse_update.h"
 
 namespace lodestar::strapdown {
@@ -70,22 +71,25 @@ class Transition {
   double decay_;
 };
 
-void decay(Covariance& P, math::Block block, double factor) {
+template <int N>
+void decay(CovarianceOf<N>& P, math::Block block, double factor) {
   if (factor == 1.0) return;
   for (int i = block.offset; i < math::end(block); ++i) {
-    P.col(i).tail(kStates - i) *= factor;
+    P.col(i).tail(N - i) *= factor;
     P.row(i).head(i + 1) *= factor;
   }
 }
 
-void add_noise(Covariance& P, const Step& step, const ProcessNoise& noise) {
+template <int N>
+void add_noise(CovarianceOf<N>& P, const Step& step, const ProcessNoise& noise) {
   const double dt = step.dt;
   const Eigen::Matrix3d velocity_cross = math::skew(step.air_velocity_N);
   const Eigen::Matrix3d coupled = (noise.gyro * dt) * velocity_cross;
   auto diagonal = P.diagonal();
   part<3>(diagonal, kAttitude).array() += noise.gyro * dt;
-  P.block<3, 3>(kVelocity.offset, kAttitude.offset) += coupled;
-  P.block<3, 3>(kVelocity.offset, kVelocity.offset) += coupled * velocity_cross.transpose();
+  P.template block<3, 3>(kVelocity.offset, kAttitude.offset) += coupled;
+  P.template block<3, 3>(kVelocity.offset, kVelocity.offset) +=
+      coupled * velocity_cross.transpose();
   part<3>(diagonal, kVelocity) +=
       dt * Eigen::Vector3d(noise.force + noise.wind, noise.force + noise.wind,
                            noise.force + noise.vertical_wind);
@@ -93,6 +97,45 @@ void add_noise(Covariance& P, const Step& step, const ProcessNoise& noise) {
   part<3>(diagonal, kGyroBias).array() += noise.gyro_bias * dt;
   part<3>(diagonal, kFieldDrift).array() += noise.field_drift_variance;
   part<3>(diagonal, kGust) += noise.gust_variance;
+  if constexpr (kOverGround<N>) {
+    for (int axis = 0; axis < 2; ++axis) {
+      P(kWind.offset + axis, kVelocity.offset + axis) -= dt * noise.wind;
+    }
+    part<2>(diagonal, kWind).array() += dt * noise.wind;
+    part<3>(diagonal, kGpsError).array() += noise.gps_error_variance;
+    diagonal(kBaroBias.offset) += noise.baro_bias_variance;
+  }
+}
+
+/// How the east error grows with the position error, (m/s)/m: meridians converge.
+Eigen::Vector2d curvature(const Step& step, const Place& place) {
+  const double tangent = std::tan(place.lat) / earth::kSemiMajorAxis;
+  return {tangent * step.v_N.y(), -tangent * step.v_N.x()};
+}
+
+/// P <- A P A' with A = I + dt (rows of the position by velocity, attitude, wind and position).
+void move_position(CovarianceOf<kGroundStates>& P, const Step& step, const Place& place) {
+  constexpr int kN = kGroundStates;
+  using Columns = Eigen::Matrix<double, kN, 2>;
+  const Eigen::Matrix<double, 2, 3> by_attitude =
+      -step.dt * math::skew(step.air_velocity_N).topRows<2>();
+  const Columns position = symmetric_columns<2>(P, kPosition.offset);
+  Columns moved = P.middleCols<3>(kAttitude.offset).lazyProduct(by_attitude.transpose());
+  moved += step.dt * symmetric_columns<2>(P, kVelocity.offset);
+  moved += step.dt * symmetric_columns<2>(P, kWind.offset);
+  moved.col(1) += position * (step.dt * curvature(step, place));
+  Eigen::Matrix2d twice =
+      by_attitude * moved.middleRows<3>(kAttitude.offset) +
+      step.dt * (moved.middleRows<2>(kVelocity.offset) + moved.middleRows<2>(kWind.offset));
+  twice.row(1) +=
+      step.dt * curvature(step, place).transpose() * moved.middleRows<2>(kPosition.offset);
+  const Eigen::Matrix2d corner = moved.middleRows<2>(kPosition.offset);
+  for (int j = 0; j < 2; ++j) {
+    const int c = kPosition.offset + j;
+    P.row(c).head(kPosition.offset) += moved.col(j).head(kPosition.offset).transpose();
+    P.col(c).tail(kN - math::end(kPosition)) += moved.col(j).tail(kN - math::end(kPosition));
+  }
+  P.block<2, 2>(kPosition.offset, kPosition.offset) += corner + corner.transpose() + twice;
 }
 
 }  // namespace
@@ -114,9 +157,10 @@ Step move(Estimate& x, const Eigen::Vector3d& omega_B, const Eigen::Vector3d& fo
   const Eigen::Vector3d coriolis_rate = 2.0 * place.earth_rate_N + place.transport_rate_N;
   const Eigen::Vector3d acceleration_N = step.C_NB * (force_B - x.force_bias_B) +
                                          Eigen::Vector3d(0.0, 0.0, place.gravity) -
-                                         coriolis_rate.cross(v_before);
+                                         coriolis_rate.cross(x.v_N());
   x.air_velocity_N += dt * acceleration_N;
   step.air_velocity_N = 0.5 * (v_before + x.air_velocity_N);
+  step.v_N = step.air_velocity_N + x.v_N() - x.air_velocity_N;
 
   const double climbed = -dt * step.air_velocity_N.z();
   const double a = baro_decay(dt, place.baro_lag);
@@ -125,37 +169,66 @@ Step move(Estimate& x, const Eigen::Vector3d& omega_B, const Eigen::Vector3d& fo
   return step;
 }
 
-void propagate(Covariance& P, const Step& step, const Place& place, const ProcessNoise& noise) {
+template <int N>
+void propagate(CovarianceOf<N>& P, const Step& step, const Place& place,
+               const ProcessNoise& noise) {
   const Transition transition(step, place);
-  const Eigen::Matrix<double, kStates, kMoving> columns =
-      transition.apply<kStates>(symmetric_columns<kDriving>(P, 0));
-  const Eigen::Matrix<double, kMoving, kDriving> rows = columns.topRows<kDriving>().transpose();
-  P.leftCols<kMoving>() = columns;
-  P.topLeftCorner<kMoving, kMoving>() = transition.apply<kMoving>(rows).transpose();
-  decay(P, kFieldDrift, noise.field_drift_decay);
-  decay(P, kGust, noise.gust_decay);
-  add_noise(P, step, noise);
+  const Eigen::Matrix<double, N, kMoving> columns =
+      transition.apply<N>(symmetric_columns<kDriving>(P, 0));
+  const Eigen::Matrix<double, kMoving, kDriving> rows =
+      columns.template topRows<kDriving>().transpose();
+  P.template leftCols<kMoving>() = columns;
+  P.template topLeftCorner<kMoving, kMoving>() = transition.apply<kMoving>(rows).transpose();
+  decay<N>(P, kFieldDrift, noise.field_drift_decay);
+  decay<N>(P, kGust, noise.gust_decay);
+  if constexpr (kOverGround<N>) {
+    move_position(P, step, place);
+    decay<N>(P, kGpsError, noise.gps_error_decay);
+    decay<N>(P, kBaroBias, noise.baro_bias_decay);
+  }
+  add_noise<N>(P, step, noise);
 }
 
-void propagate_error(StateVector& x, const Step& step, const Place& place,
+template <int N>
+void propagate_error(StateVectorOf<N>& x, const Step& step, const Place& place,
                      const ProcessNoise& noise) {
-  const Eigen::Matrix<double, 1, kDriving> row = x.head<kDriving>().transpose();
-  x.head<kMoving>() = Transition(step, place).apply<1>(row).transpose();
+  const Eigen::Matrix<double, 1, kDriving> row = x.template head<kDriving>().transpose();
+  x.template head<kMoving>() = Transition(step, place).apply<1>(row).transpose();
   part<3>(x, kFieldDrift) *= noise.field_drift_decay;
   part<3>(x, kGust) *= noise.gust_decay;
 }
 
-void turn_sensor_errors(Covariance& P, const Eigen::Matrix3d& R_B) {
+Eigen::Vector2d move_over_ground(Estimate& x, const Eigen::Vector3d& v_N, double dt) {
+  const Eigen::Vector2d moved = dt * v_N.head<2>();
+  x.displace(moved);
+  return moved;
+}
+
+template <int N>
+void turn_sensor_errors(CovarianceOf<N>& P, const Eigen::Matrix3d& R_B) {
   for (const math::Block block : {kForceBias, kGyroBias, kFieldDrift, kFieldBias}) {
-    Eigen::Matrix<double, kStates, 3> columns = symmetric_columns<3>(P, block.offset);
+    Eigen::Matrix<double, N, 3> columns = symmetric_columns<3>(P, block.offset);
     columns = (columns * R_B.transpose()).eval();
-    columns.middleRows<3>(block.offset) = (R_B * columns.middleRows<3>(block.offset)).eval();
+    columns.template middleRows<3>(block.offset) =
+        (R_B * columns.template middleRows<3>(block.offset)).eval();
     for (int j = 0; j < 3; ++j) {
       const int c = block.offset + j;
-      P.col(c).tail(kStates - c) = columns.col(j).tail(kStates - c);
+      P.col(c).tail(N - c) = columns.col(j).tail(N - c);
       P.row(c).head(c) = columns.col(j).head(c).transpose();
     }
   }
 }
+
+template void propagate<kStates>(CovarianceOf<kStates>&, const Step&, const Place&,
+                                 const ProcessNoise&);
+template void propagate<kGroundStates>(CovarianceOf<kGroundStates>&, const Step&, const Place&,
+                                       const ProcessNoise&);
+template void propagate_error<kStates>(StateVectorOf<kStates>&, const Step&, const Place&,
+                                       const ProcessNoise&);
+template void propagate_error<kGroundStates>(StateVectorOf<kGroundStates>&, const Step&,
+                                             const Place&, const ProcessNoise&);
+template void turn_sensor_errors<kStates>(CovarianceOf<kStates>&, const Eigen::Matrix3d&);
+template void turn_sensor_errors<kGroundStates>(CovarianceOf<kGroundStates>&,
+                                                const Eigen::Matrix3d&);
 
 }  // namespace lodestar::strapdown

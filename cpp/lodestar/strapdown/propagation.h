@@ -13,6 +13,7 @@ struct Place {
   Eigen::Vector3d earth_rate_N = Eigen::Vector3d::Zero();      // rad/s
   Eigen::Vector3d transport_rate_N = Eigen::Vector3d::Zero();  // rad/s
   double baro_lag = 0.0;                                       // s
+  double lat = 0.0;                                            // rad
 };
 
 /// One frame: the trapezoid's middle, about which the error equations are written.
@@ -21,6 +22,7 @@ struct Step {
   Eigen::Vector3d omega_B = Eigen::Vector3d::Zero();         // rad/s, measured, mean of the frame
   Eigen::Matrix3d C_NB = Eigen::Matrix3d::Identity();        // mean of both ends
   Eigen::Vector3d air_velocity_N = Eigen::Vector3d::Zero();  // m/s, mean of both ends
+  Eigen::Vector3d v_N = Eigen::Vector3d::Zero();             // m/s, the same over the ground
 };
 
 /// Spectral densities of what drives the errors.
@@ -36,14 +38,19 @@ struct ProcessNoise {
   double field_drift_variance = 0.0;  // nT^2
   double gust_decay = 1.0;
   Eigen::Vector3d gust_variance = Eigen::Vector3d::Zero();  // (m/s)^2
+  double gps_error_decay = 1.0;
+  double gps_error_variance = 0.0;  // m^2
+  double baro_bias_decay = 1.0;
+  double baro_bias_variance = 0.0;  // m^2
 };
 
 /// Moves attitude, air velocity and heights over a frame at measured rates `omega_B` (rad/s, mean)
 /// and specific force `force_B` (m/s^2, mean, not yet corrected for its bias):
 ///     C_NB' = C_NB [omega_NB x],   v' = C_NB f + g - (2 omega_IE + omega_EN) x v
 ///     h' = -v_down,   baro' = (h - baro) / lag
-/// v is the velocity relative to the air, so that the wind's own Coriolis acceleration (0.001 m/s^2
-/// in 10 m/s) is left out. The rotation is the exact exponential of the mean rate.
+/// v is the velocity over the ground as far as the wind is known; without GPS the wind's own
+/// Coriolis acceleration (0.001 m/s^2 in 10 m/s) is left out. The rotation is the exact exponential
+/// of the mean rate.
 Step move(Estimate& x, const Eigen::Vector3d& omega_B, const Eigen::Vector3d& force_B,
           const Place& place, double dt);
 
@@ -55,17 +62,29 @@ Step move(Estimate& x, const Eigen::Vector3d& omega_B, const Eigen::Vector3d& fo
 ///     dh'  = -dv_down + (v x phi)_down,    dbaro' = (dh - dbaro) / lag
 /// to second order in dt. Only the eight motion states and the Gauss-Markov states have rows of
 /// their own, so P is moved by columns, never by an N x N product.
-void propagate(Covariance& P, const Step& step, const Place& place, const ProcessNoise& noise);
+///
+/// Over the ground also (north and east of)
+///     dp' = dv - v x phi + dw + curvature dp
+/// where the wind's change is the air velocity's with the other sign: ground velocity has none of
+/// it. What the wind's Coriolis acceleration errs by (1e-4 m/s^2 per m/s) is left out.
+template <int N>
+void propagate(CovarianceOf<N>& P, const Step& step, const Place& place, const ProcessNoise& noise);
 
-/// x <- Phi x with the same Phi.
-void propagate_error(StateVector& x, const Step& step, const Place& place,
+/// x <- Phi x with the same Phi, but for the position.
+template <int N>
+void propagate_error(StateVectorOf<N>& x, const Step& step, const Place& place,
                      const ProcessNoise& noise);
+
+/// Moves the position over a frame at ground velocity `v_N` (m/s, mean); answers by how much (m,
+/// north, east).
+Eigen::Vector2d move_over_ground(Estimate& x, const Eigen::Vector3d& v_N, double dt);
 
 /// The vectors of the sensors' errors (biases of force, gyros and field, drift of the field) are
 /// kept in B, but what was learnt of them was learnt in N, together with the attitude: when this is
 /// corrected their covariance turns, in B, the opposite way. `R_B`: from B as it was to B as it is.
 /// Without it the filter takes its own corrections for turns of the aircraft, in which the hard
 /// iron would show (Barrau and Bonnabel, The geometry of navigation problems, 2022).
-void turn_sensor_errors(Covariance& P, const Eigen::Matrix3d& R_B);
+template <int N>
+void turn_sensor_errors(CovarianceOf<N>& P, const Eigen::Matrix3d& R_B);
 
 }  // namespace lodestar::strapdown

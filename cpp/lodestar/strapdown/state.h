@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
+#include "lodestar/earth/wgs84.h"
 #include "lodestar/math/rotation.h"
 #include "lodestar/math/state_layout.h"
 
@@ -37,8 +38,23 @@ inline constexpr math::Block kPadding = math::after(kFlowScale, 1);
 inline constexpr int kStates = math::end(kPadding);
 static_assert(kStates == 48);
 
-using StateVector = Eigen::Matrix<double, kStates, 1>;
-using Covariance = Eigen::Matrix<double, kStates, kStates>;
+// With GPS, what flies over the ground comes behind.
+inline constexpr math::Block kPosition = math::after(kPadding, 2);   // m, north, east
+inline constexpr math::Block kWind = math::after(kPosition, 2);      // m/s, north, east
+inline constexpr math::Block kGpsError = math::after(kWind, 3);      // m, in N, measured - true
+inline constexpr math::Block kBaroBias = math::after(kGpsError, 1);  // m, true height - the baro's
+inline constexpr int kGroundStates = math::end(kBaroBias);
+static_assert(kGroundStates == 56);
+
+template <int N>
+using StateVectorOf = Eigen::Matrix<double, N, 1>;
+template <int N>
+using CovarianceOf = Eigen::Matrix<double, N, N>;
+using StateVector = StateVectorOf<kStates>;
+using Covariance = CovarianceOf<kStates>;
+
+template <int N>
+inline constexpr bool kOverGround = N == kGroundStates;
 
 template <int Size, class Vector>
 auto part(Vector& x, math::Block block) {
@@ -71,11 +87,25 @@ struct Estimate {
   Eigen::Vector2d flow_bias = Eigen::Vector2d::Zero();       // rad, alpha and beta
   Eigen::Vector2d flow_scale = Eigen::Vector2d::Zero();      // measured = (1 + scale) angle + bias
 
+  // Over the ground; unused without GPS.
+  double lat = 0.0;                                     // rad
+  double lon = 0.0;                                     // rad, not wrapped
+  Eigen::Vector2d wind_N = Eigen::Vector2d::Zero();     // m/s, north, east
+  Eigen::Vector3d gps_error = Eigen::Vector3d::Zero();  // m, measured - true
+  double baro_bias = 0.0;                               // m, true height - height
+
+  /// Velocity over the ground (m/s, in N): the air goes neither up nor down.
+  Eigen::Vector3d v_N() const {
+    return air_velocity_N + Eigen::Vector3d(wind_N.x(), wind_N.y(), 0.0);
+  }
+  earth::Geodetic position() const { return {lat, lon, height + baro_bias}; }
+
   /// Velocity of the air at the vanes in B (m/s), gust included.
   Eigen::Vector3d v_air_B() const { return C_NB.transpose() * air_velocity_N + gust_B; }
 
   /// Folds the errors `x` in.
-  void correct(const StateVector& x) {
+  template <int N>
+  void correct(const Eigen::Matrix<double, N, 1>& x) {
     const Eigen::Quaterniond turn = turn_of(part<3>(x, kAttitude));
     q_NB = (turn * q_NB).normalized();
     C_NB = q_NB.toRotationMatrix();
@@ -93,12 +123,26 @@ struct Estimate {
     airspeed_bias += x(kAirspeedBias.offset);
     flow_bias += part<2>(x, kFlowBias);
     flow_scale += part<2>(x, kFlowScale);
+    if constexpr (kOverGround<N>) {
+      displace(part<2>(x, kPosition));
+      wind_N += part<2>(x, kWind);
+      gps_error += part<3>(x, kGpsError);
+      baro_bias += x(kBaroBias.offset);
+    }
+  }
+
+  /// Moves the position by `offset` (m, north, east).
+  void displace(const Eigen::Vector2d& offset) {
+    const earth::Geodetic to = earth::displaced(position(), {offset.x(), offset.y(), 0.0});
+    lat = to.lat;
+    lon = to.lon;
   }
 };
 
 /// The errors `x` that from.correct(x) turns into `to`.
-inline StateVector error_between(const Estimate& from, const Estimate& to) {
-  StateVector x = StateVector::Zero();
+template <int N = kStates>
+StateVectorOf<N> error_between(const Estimate& from, const Estimate& to) {
+  StateVectorOf<N> x = StateVectorOf<N>::Zero();
   const Eigen::Quaterniond turn = to.q_NB * from.q_NB.conjugate();
   part<3>(x, kAttitude) = math::log_quaternion(turn);
   part<3>(x, kVelocity) = to.air_velocity_N - turn * from.air_velocity_N;
@@ -115,6 +159,13 @@ inline StateVector error_between(const Estimate& from, const Estimate& to) {
   x(kAirspeedBias.offset) = to.airspeed_bias - from.airspeed_bias;
   part<2>(x, kFlowBias) = to.flow_bias - from.flow_bias;
   part<2>(x, kFlowScale) = to.flow_scale - from.flow_scale;
+  if constexpr (kOverGround<N>) {
+    part<2>(x, kPosition) =
+        earth::displacement_N(from.position(), to.position()).template head<2>();
+    part<2>(x, kWind) = to.wind_N - from.wind_N;
+    part<3>(x, kGpsError) = to.gps_error - from.gps_error;
+    x(kBaroBias.offset) = to.baro_bias - from.baro_bias;
+  }
   return x;
 }
 

@@ -30,27 +30,33 @@ double square(double x) { return x * x; }
 
 }  // namespace
 
-VelocityFilter::VelocityFilter(const Parameters& parameters)
+template <int N>
+StrapdownFilter<N>::StrapdownFilter(const Parameters& parameters, const GroundParameters& ground)
     : parameters_(parameters),
+      ground_(ground),
       gate_(parameters.gate_false_rejection),
-      P_(initial_covariance(parameters)),
+      P_(initial_covariance<N>(parameters)),
       gust_level_(parameters.gust_sigma, parameters.gust_sigma_min, parameters.gust_sigma_max,
                   parameters.gust_adaptation),
       wind_level_(parameters.wind_walk, parameters.wind_walk_min, parameters.wind_walk_max,
                   parameters.wind_adaptation) {
   place_.baro_lag = parameters.baro_lag;
+  if constexpr (kOverGround<N>) start_ground(P_, ground_);
 }
 
-void VelocityFilter::set_place(double lat, double h, const Eigen::Vector3d& b_N) {
+template <int N>
+void StrapdownFilter<N>::set_place(double lat, double h, const Eigen::Vector3d& b_N) {
   lat_ = lat;
   h_ = h;
   b_N_ = b_N;
+  place_.lat = lat;
   place_.gravity = earth::gravity(lat, h);
   place_.earth_rate_N = earth::earth_rate_N(lat);
 }
 
-void VelocityFilter::start(const Eigen::Matrix3d& C_NB, const Eigen::Vector3d& sigma_B,
-                           std::int64_t time_us) {
+template <int N>
+void StrapdownFilter<N>::start(const Eigen::Matrix3d& C_NB, const Eigen::Vector3d& sigma_B,
+                               std::int64_t time_us) {
   x_.C_NB = C_NB;
   x_.q_NB = Eigen::Quaterniond(C_NB).normalized();
   restart_attitude(P_, C_NB * sigma_B.cwiseAbs2().asDiagonal() * C_NB.transpose());
@@ -61,13 +67,16 @@ void VelocityFilter::start(const Eigen::Matrix3d& C_NB, const Eigen::Vector3d& s
   forget_history();
 }
 
-void VelocityFilter::hold_linearisation() {
+template <int N>
+void StrapdownFilter<N>::hold_linearisation() {
   held_ = true;
   offset_.setZero();
 }
 
-void VelocityFilter::start_again(const Eigen::Vector3d& sigma_B) {
+template <int N>
+void StrapdownFilter<N>::start_again(const Eigen::Vector3d& sigma_B) {
   const Estimate best = estimate();
+  const Matrix before = P_;
   held_ = false;
   offset_.setZero();
   x_ = Estimate{};
@@ -76,23 +85,37 @@ void VelocityFilter::start_again(const Eigen::Vector3d& sigma_B) {
   x_.air_velocity_N = best.air_velocity_N;
   x_.height = best.height;
   x_.baro_height = best.baro_height;
-  P_ = initial_covariance(parameters_);
+  P_ = initial_covariance<N>(parameters_);
+  if constexpr (kOverGround<N>) {
+    x_.lat = best.lat;
+    x_.lon = best.lon;
+    x_.wind_N = best.wind_N;
+    x_.baro_bias = best.baro_bias;
+    start_ground(P_, ground_);
+    // The slow error of GPS is part of it, and unknown again.
+    constexpr int kP = kPosition.offset;
+    P_.template block<2, 2>(kP, kP) = before.template block<2, 2>(kP, kP);
+    P_(kP, kP) += square(ground_.gps_error.sigma);
+    P_(kP + 1, kP + 1) += square(ground_.gps_error.sigma);
+  }
   restart_attitude(P_, x_.C_NB * sigma_B.cwiseAbs2().asDiagonal() * x_.C_NB.transpose());
   restart_velocity(P_, parameters_, gust_level_.sigma(), x_.air_velocity_N.norm());
   forget_history();
 }
 
-void VelocityFilter::settle() {
-  StateVector rest = offset_;
+template <int N>
+void StrapdownFilter<N>::settle() {
+  Vector rest = offset_;
   part<3>(rest, kAttitude).setZero();
   part<3>(rest, kVelocity) = turn_of(part<3>(offset_, kAttitude)).conjugate() *
                              Eigen::Vector3d(part<3>(offset_, kVelocity));
   x_.correct(rest);
   corrections_.add(rest);
-  offset_.tail<kStates - kAttitude.size>().setZero();
+  offset_.template tail<N - kAttitude.size>().setZero();
 }
 
-void VelocityFilter::fold_in(const StateVector& correction) {
+template <int N>
+void StrapdownFilter<N>::fold_in(const Vector& correction) {
   x_.correct(correction);
   corrections_.add(correction);
   unturned_N_ += part<3>(correction, kAttitude);
@@ -102,19 +125,22 @@ void VelocityFilter::fold_in(const StateVector& correction) {
   }
 }
 
-Estimate VelocityFilter::estimate() const {
+template <int N>
+Estimate StrapdownFilter<N>::estimate() const {
   Estimate best = x_;
   if (held_) best.correct(offset_);
   return best;
 }
 
-void VelocityFilter::forget_history() {
+template <int N>
+void StrapdownFilter<N>::forget_history() {
   corrections_ = Corrections{};
   history_.clear();
   remember(force_B_, 0.0);
 }
 
-void VelocityFilter::propagate(const samples::BodyRates& sample, double extra_angle_variance) {
+template <int N>
+void StrapdownFilter<N>::propagate(const samples::BodyRates& sample, double extra_angle_variance) {
   used_ = 0;
   rejected_ = 0;
   const double dt = seconds(sample.time_us, now_us_);
@@ -130,19 +156,21 @@ void VelocityFilter::propagate(const samples::BodyRates& sample, double extra_an
   const Step step = move(x_, mean_omega_B, force_B, place_, dt);
   x_.field_drift_B *= noise.field_drift_decay;
   x_.gust_B *= noise.gust_decay;
-  strapdown::propagate(P_, step, place_, noise);
+  strapdown::propagate<N>(P_, step, place_, noise);
+  if constexpr (kOverGround<N>) fly_over_ground(step, noise);
   if (held_) {
-    propagate_error(offset_, step, place_, noise);
+    propagate_error<N>(offset_, step, place_, noise);
     settle();
   }
   if (extra_angle_variance > 0.0) {
-    P_.diagonal().segment<3>(kAttitude.offset).array() += extra_angle_variance;
+    P_.diagonal().template segment<3>(kAttitude.offset).array() += extra_angle_variance;
   }
   impulse_N_ += dt * (step.C_NB * force_B);
   remember(force_B, dt);
 }
 
-ProcessNoise VelocityFilter::process_noise(double dt) const {
+template <int N>
+ProcessNoise StrapdownFilter<N>::process_noise(double dt) const {
   const Parameters& p = parameters_;
   ProcessNoise noise;
   noise.gyro = square(p.gyro_noise);
@@ -157,11 +185,18 @@ ProcessNoise VelocityFilter::process_noise(double dt) const {
   const math::GaussMarkov gust{gust_level_.sigma(), p.gust_length / airspeed};
   noise.gust_decay = gust.decay(dt);
   noise.gust_variance.setConstant(gust.added_variance(dt));
+  if constexpr (kOverGround<N>) {
+    noise.gps_error_decay = ground_.gps_error.decay(dt);
+    noise.gps_error_variance = ground_.gps_error.added_variance(dt);
+    noise.baro_bias_decay = ground_.baro_bias.decay(dt);
+    noise.baro_bias_variance = ground_.baro_bias.added_variance(dt);
+  }
   return noise;
 }
 
 /// Without a fresh load factor the air velocity is taken to stay as it is in B.
-Eigen::Vector3d VelocityFilter::force_to_use(double& density) const {
+template <int N>
+Eigen::Vector3d StrapdownFilter<N>::force_to_use(double& density) const {
   if (have_load_ && now_us_ - load_heard_us_ <= kFresh_us) return force_B_;
   density = square(kUnknownForce);
   const Eigen::Vector3d weight_B = place_.gravity * x_.C_NB.row(2).transpose();
@@ -169,7 +204,8 @@ Eigen::Vector3d VelocityFilter::force_to_use(double& density) const {
          x_.force_bias_B;
 }
 
-void VelocityFilter::remember(const Eigen::Vector3d& force_B, double dt) {
+template <int N>
+void StrapdownFilter<N>::remember(const Eigen::Vector3d& force_B, double dt) {
   const Moment* last = history_.before(now_us_);
   const double rate = dt > 0.0 ? 1.0 / dt : 0.0;
   const double baro_change = last != nullptr ? x_.baro_height - last->baro_height : 0.0;
@@ -187,9 +223,51 @@ void VelocityFilter::remember(const Eigen::Vector3d& force_B, double dt) {
       moment.force_N - x_.C_NB * x_.force_bias_B + Eigen::Vector3d(0.0, 0.0, place_.gravity);
   moment.baro_rate = rate * baro_change;
   moment.corrections = corrections_;
+  moment.travelled = travelled_;
+  moment.v_N = best_velocity(x_.air_velocity_N).template head<2>();
 }
 
-bool VelocityFilter::locate(std::int64_t time_us, Moment& moment) const {
+/// The velocity over the ground (m/s, in N), if `air_velocity_N` is what x_ says of it.
+template <int N>
+Eigen::Vector3d StrapdownFilter<N>::best_velocity(const Eigen::Vector3d& air_velocity_N) const {
+  Eigen::Vector3d v_N = air_velocity_N;
+  if (held_) v_N = turn_of(part<3>(offset_, kAttitude)) * v_N;
+  v_N.head<2>() += x_.wind_N;
+  return v_N;
+}
+
+template <int N>
+void StrapdownFilter<N>::fly_over_ground(const Step& step, const ProcessNoise& noise) {
+  x_.gps_error *= noise.gps_error_decay;
+  x_.baro_bias *= noise.baro_bias_decay;
+  travelled_ += move_over_ground(x_, best_velocity(step.air_velocity_N), step.dt);
+}
+
+template <int N>
+void StrapdownFilter<N>::set_ground_position(double lat, double lon, double sigma) {
+  x_.lat = lat;
+  x_.lon = lon;
+  forget(P_, kPosition);
+  auto diagonal = P_.diagonal();
+  part<2>(diagonal, kPosition).setConstant(sigma * sigma);
+}
+
+template <int N>
+std::optional<GroundPoint> StrapdownFilter<N>::ground_at(std::int64_t time_us) const {
+  Moment moment;
+  if (!locate(time_us, moment)) return std::nullopt;
+  GroundPoint point;
+  const Eigen::Vector2d since = travelled_ - moment.travelled;
+  point.position = earth::displaced({x_.lat, x_.lon, moment.height + x_.baro_bias},
+                                    {-since.x(), -since.y(), 0.0});
+  point.air_velocity_N = moment.air_velocity_N;
+  point.v_N = best_velocity(moment.air_velocity_N).template head<2>();
+  point.delay = delay_of(moment);
+  return point;
+}
+
+template <int N>
+bool StrapdownFilter<N>::locate(std::int64_t time_us, Moment& moment) const {
   const Moment* found = history_.before(time_us);
   if (found == nullptr) return false;
   moment = *found;
@@ -199,7 +277,8 @@ bool VelocityFilter::locate(std::int64_t time_us, Moment& moment) const {
   return true;
 }
 
-Estimate VelocityFilter::estimate_at(const Moment& moment) const {
+template <int N>
+Estimate StrapdownFilter<N>::estimate_at(const Moment& moment) const {
   Estimate then = x_;
   then.q_NB = moment.q_NB;
   then.C_NB = moment.q_NB.toRotationMatrix();
@@ -209,7 +288,8 @@ Estimate VelocityFilter::estimate_at(const Moment& moment) const {
   return then;
 }
 
-Delay VelocityFilter::delay_of(const Moment& moment) const {
+template <int N>
+Delay StrapdownFilter<N>::delay_of(const Moment& moment) const {
   Delay delay;
   delay.age = seconds(now_us_, moment.time_us);
   delay.gravity = place_.gravity;
@@ -221,7 +301,8 @@ Delay VelocityFilter::delay_of(const Moment& moment) const {
   return delay;
 }
 
-samples::Use VelocityFilter::update(const samples::LoadFactor& sample) {
+template <int N>
+samples::Use StrapdownFilter<N>::update(const samples::LoadFactor& sample) {
   const Eigen::Vector3d force_B = -samples::kStandardGravity * sample.n_B;
   Eigen::Vector3d force_N = x_.C_NB * force_B;
   Eigen::Vector3d impulse_N = impulse_N_;
@@ -249,7 +330,8 @@ samples::Use VelocityFilter::update(const samples::LoadFactor& sample) {
   return samples::Use::kUsed;
 }
 
-samples::Use VelocityFilter::update(const samples::MagneticField& sample) {
+template <int N>
+samples::Use StrapdownFilter<N>::update(const samples::MagneticField& sample) {
   if (sample.time_us == now_us_) {
     return correct(measure_field(sample.b_B, x_, b_N_, parameters_.field_noise), kFieldX, true);
   }
@@ -260,7 +342,8 @@ samples::Use VelocityFilter::update(const samples::MagneticField& sample) {
   return correct(Delayed<MagneticMeasurement>(then, delay_of(moment)), kFieldX, true);
 }
 
-samples::Use VelocityFilter::update(const samples::AirData& sample) {
+template <int N>
+samples::Use StrapdownFilter<N>::update(const samples::AirData& sample) {
   if (!(sample.true_airspeed >= parameters_.min_airspeed)) return samples::Use::kAssumption;
   frozen_ = frozen_flow_.see(sample);
   if (!has_velocity_) {
@@ -282,17 +365,18 @@ samples::Use VelocityFilter::update(const samples::AirData& sample) {
   air_us_ = sample.time_us;
   follow_baro(sample);
   if (std::cos(lat_) > kNearestPole) {
-    place_.transport_rate_N = earth::transport_rate_N(lat_, h_, x_.air_velocity_N);
+    place_.transport_rate_N = earth::transport_rate_N(lat_, h_, x_.v_N());
   }
   return use;
 }
 
 /// A baro altitude that stays off is one on another scale, or the climb was wrong; either way how
 /// it goes on tells the climb from here on.
-void VelocityFilter::follow_baro(const samples::AirData& sample) {
+template <int N>
+void StrapdownFilter<N>::follow_baro(const samples::AirData& sample) {
   if ((used_ >> kBaro & 1) != 0) baro_used_us_ = sample.time_us;
   if (sample.time_us - baro_used_us_ <= kBaroPatience_us) return;
-  StateVector step = StateVector::Zero();
+  Vector step = Vector::Zero();
   step(kHeight.offset) = innovation_[kBaro];
   step(kBaroHeight.offset) = innovation_[kBaro];
   fold_in(step);
@@ -301,7 +385,8 @@ void VelocityFilter::follow_baro(const samples::AirData& sample) {
 }
 
 /// One sensor alone that is far off is taken for a fault of that sensor, several for a gust.
-void VelocityFilter::learn_air(double since_last) {
+template <int N>
+void StrapdownFilter<N>::learn_air(double since_last) {
   constexpr double kLongest = 0.1;  // s
   constexpr std::array<Row, 3> kFlow = {kAirspeed, kAlpha, kBeta};
   int gated = 0;
@@ -321,7 +406,8 @@ void VelocityFilter::learn_air(double since_last) {
   wind_level_.learn(normalised, dt);
 }
 
-void VelocityFilter::start_velocity(const samples::AirData& sample) {
+template <int N>
+void StrapdownFilter<N>::start_velocity(const samples::AirData& sample) {
   x_.air_velocity_N = x_.C_NB * air_velocity_B(sample);
   x_.gust_B.setZero();
   x_.height = sample.baro_altitude;
@@ -333,10 +419,12 @@ void VelocityFilter::start_velocity(const samples::AirData& sample) {
   forget_history();
 }
 
+template <int N>
 template <class Measurement>
-samples::Use VelocityFilter::correct(const Measurement& m, Row first, bool together, int left_out) {
+samples::Use StrapdownFilter<N>::correct(const Measurement& m, Row first, bool together,
+                                         int left_out) {
   constexpr int kM = Measurement::kRows;
-  SparseUpdate<kStates, Measurement> update(P_, m);
+  SparseUpdate<N, Measurement> update(P_, m);
   if (held_) update.expect(m, offset_);
   int passed = 0;
   for (int i = 0; i < kM; ++i) {
@@ -354,20 +442,28 @@ samples::Use VelocityFilter::correct(const Measurement& m, Row first, bool toget
   for (int i = 0; i < kM; ++i) {
     if ((passed >> i & 1) == 0) update.exclude(i);
   }
-  const StateVector correction = update.apply(P_);
+  take(update.apply(P_));
+  return samples::Use::kUsed;
+}
+
+template <int N>
+void StrapdownFilter<N>::take(const Vector& correction) {
   if (held_) {
     offset_ += correction;
     settle();
   } else {
     fold_in(correction);
   }
-  return samples::Use::kUsed;
 }
 
-Eigen::Matrix3d VelocityFilter::attitude_covariance_B() const {
-  const Eigen::Matrix3d lower = P_.block<3, 3>(kAttitude.offset, kAttitude.offset);
+template <int N>
+Eigen::Matrix3d StrapdownFilter<N>::attitude_covariance_B() const {
+  const Eigen::Matrix3d lower = P_.template block<3, 3>(kAttitude.offset, kAttitude.offset);
   const Eigen::Matrix3d P_N = lower.selfadjointView<Eigen::Lower>();
   return x_.C_NB.transpose() * P_N * x_.C_NB;
 }
+
+template class StrapdownFilter<kStates>;
+template class StrapdownFilter<kGroundStates>;
 
 }  // namespace lodestar::strapdown

@@ -4,16 +4,20 @@
 #include <Eigen/Core>
 #include <array>
 #include <cstdint>
+#include <optional>
 
 #include "lodestar/filter/gate.h"
 #include "lodestar/samples/samples.h"
 #include "lodestar/samples/use.h"
 #include "lodestar/strapdown/delayed.h"
 #include "lodestar/strapdown/frozen_flow.h"
+#include "lodestar/strapdown/gps_aid.h"
+#include "lodestar/strapdown/ground_parameters.h"
 #include "lodestar/strapdown/gust.h"
 #include "lodestar/strapdown/history.h"
 #include "lodestar/strapdown/parameters.h"
 #include "lodestar/strapdown/propagation.h"
+#include "lodestar/strapdown/sparse_update.h"
 #include "lodestar/strapdown/state.h"
 #include "lodestar/strapdown/wind_level.h"
 
@@ -24,14 +28,20 @@ namespace lodestar::strapdown {
 ///
 /// Samples come in the order of their time, at most 1 s older than the last body rates; each is
 /// applied at its own time. After construction nothing allocates or throws.
-class VelocityFilter {
+///
+/// With N = kGroundStates it also holds position and wind, and takes GPS.
+template <int N>
+class StrapdownFilter {
  public:
+  using Vector = StateVectorOf<N>;
+  using Matrix = CovarianceOf<N>;
+
   /// Measurements, in the order of `innovation`.
   enum Row { kFieldX, kFieldY, kFieldZ, kAirspeed, kAlpha, kBeta, kBaro };
   static constexpr int kRows = 7;
   using Rows = std::array<double, kRows>;  // nT x3 in B, m/s, rad x2, m
 
-  explicit VelocityFilter(const Parameters& parameters);
+  explicit StrapdownFilter(const Parameters& parameters, const GroundParameters& ground = {});
 
   /// Latitude (rad), height (m) and the model's magnetic field there (nT, in N).
   void set_place(double lat, double h, const Eigen::Vector3d& b_N);
@@ -64,14 +74,32 @@ class VelocityFilter {
   samples::Use update(const samples::MagneticField& sample);  // calibrated
   samples::Use update(const samples::AirData& sample);
 
+  /// Over the ground: the position (rad) is known anew, to `sigma` (m, per axis).
+  void set_ground_position(double lat, double lon, double sigma);
+  /// Moves it by `offset` (m, north, east).
+  void displace(const Eigen::Vector2d& offset) { x_.displace(offset); }
+  /// What was estimated at `time_us`, as far as it is known now; none before the last second.
+  std::optional<GroundPoint> ground_at(std::int64_t time_us) const;
+  /// Takes in a measurement of gps_aid.h whose innovation was formed with the best estimate.
+  template <class Measurement>
+  void apply(const SparseUpdate<N, Measurement>& update) {
+    take(update.apply(P_));
+  }
+  /// Makes position (m) and wind (m/s) unknown by so much more than they were, 1 sigma per axis.
+  void doubt_ground(const Eigen::Vector2d& position, const Eigen::Vector2d& wind) {
+    auto diagonal = P_.diagonal();
+    part<2>(diagonal, kPosition) += position.cwiseAbs2();
+    part<2>(diagonal, kWind) += wind.cwiseAbs2();
+  }
+
   Estimate estimate() const;
   /// Lower triangle only; see sparse_update.h.
-  const Covariance& covariance() const { return P_; }
+  const Matrix& covariance() const { return P_; }
   /// Covariance of the small rotation about the body axes (rad^2).
   Eigen::Matrix3d attitude_covariance_B() const;
   /// Variances of the small rotation about north, east and down (rad^2).
   Eigen::Vector3d attitude_variance_N() const {
-    return P_.diagonal().segment<kAttitude.size>(kAttitude.offset);
+    return P_.diagonal().template segment<kAttitude.size>(kAttitude.offset);
   }
   /// Rate of B relative to the inertial frame (rad/s), of what the gyros measure.
   Eigen::Vector3d corrected(const Eigen::Vector3d& measured_omega_B) const {
@@ -94,9 +122,12 @@ class VelocityFilter {
 
  private:
   ProcessNoise process_noise(double dt) const;
+  Eigen::Vector3d best_velocity(const Eigen::Vector3d& air_velocity_N) const;
+  void fly_over_ground(const Step& step, const ProcessNoise& noise);
+  void take(const Vector& correction);
   Eigen::Vector3d force_to_use(double& density) const;
   void settle();
-  void fold_in(const StateVector& correction);
+  void fold_in(const Vector& correction);
   void forget_history();
   void start_velocity(const samples::AirData& sample);
   void follow_baro(const samples::AirData& sample);
@@ -109,6 +140,7 @@ class VelocityFilter {
   samples::Use correct(const Measurement& m, Row first, bool together, int left_out = 0);
 
   Parameters parameters_;
+  GroundParameters ground_;
   filter::Gate gate_;
   Place place_;
   double lat_ = 0.0;
@@ -116,12 +148,13 @@ class VelocityFilter {
   Eigen::Vector3d b_N_ = Eigen::Vector3d::Zero();
 
   Estimate x_;
-  Covariance P_;
+  Matrix P_;
   GustLevel gust_level_;
   WindLevel wind_level_;
   FrozenFlow frozen_flow_;
   int frozen_ = 0;
   History history_;
+  Eigen::Vector2d travelled_ = Eigen::Vector2d::Zero();  // m, over the ground since the start
   Corrections corrections_;
   bool has_velocity_ = false;
 
@@ -140,13 +173,19 @@ class VelocityFilter {
 
   // Corrections of the attitude (rad, in N) that P_ has not been turned by yet.
   Eigen::Vector3d unturned_N_ = Eigen::Vector3d::Zero();
-  bool held_ = false;                         // x_ keeps the attitude to linearise about
-  StateVector offset_ = StateVector::Zero();  // the estimate less x_ while held; attitude only
+  bool held_ = false;               // x_ keeps the attitude to linearise about
+  Vector offset_ = Vector::Zero();  // the estimate less x_ while held; attitude only
 
   Rows innovation_{};
   Rows innovation_sigma_{};
   int used_ = 0;
   int rejected_ = 0;
 };
+
+/// Attitude from the air alone, and with GPS.
+using VelocityFilter = StrapdownFilter<kStates>;
+using GroundFilter = StrapdownFilter<kGroundStates>;
+extern template class StrapdownFilter<kStates>;
+extern template class StrapdownFilter<kGroundStates>;
 
 }  // namespace lodestar::strapdown

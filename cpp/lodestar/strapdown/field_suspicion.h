@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cstdint>
 
-namespace lodestar::sahrs {
+namespace lodestar::strapdown {
 
 /// Whether something near the detector is to be reckoned with: the field was of another strength
 /// than the model's, not in a few single samples but for half a second at the detector's 30 Hz,
@@ -30,4 +30,4 @@ class FieldSuspicion {
   std::int64_t last_us_ = 0;
 };
 
-}  // namespace lodestar::sahrs
+}  // namespace lodestar::strapdown

@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+
+#include "lodestar/filter/gate.h"
+#include "lodestar/fusion/fix_noise.h"
+#include "lodestar/fusion/integrated_parameters.h"
+#include "lodestar/fusion/reacquisition.h"
+#include "lodestar/samples/outputs.h"
+#include "lodestar/samples/samples.h"
+#include "lodestar/samples/use.h"
+#include "lodestar/strapdown/guarded_filter.h"
+
+namespace lodestar::fusion {
+
+/// One filter for attitude, wind and position: the strapdown family with GPS inside. The wind stays
+/// while the air velocity turns, so that every turn tells heading from wind.
+///
+/// Per frame: body rates, then the samples in the order of their time, then the attitude of SAHRS,
+/// from which it starts and starts again, then the fixes whose time has come.
+class Integrated {
+ public:
+  using Filter = strapdown::GroundFilter;
+
+  Integrated(const IntegratedParameters& parameters, const strapdown::Parameters& filter_parameters,
+             const strapdown::GuardLimits& limits, earth::GeomagneticKind field_model,
+             double epoch_year);
+
+  /// Where the aircraft is, roughly: see GuardedFilter.
+  void set_position(double lat, double lon, double h) { guard_.set_position(lat, lon, h); }
+
+  void propagate(const samples::BodyRates& rates);
+  samples::Use update(const samples::LoadFactor& sample) { return guard_.update(sample); }
+  samples::Use update(const samples::MagneticField& sample);  // calibrated
+  samples::Use update(const samples::AirData& sample) { return guard_.update(sample); }
+
+  /// Ends the frame. Starts from the attitude of SAHRS where there is none of its own.
+  void follow(const samples::Attitude& sahrs);
+
+  /// A frame without rates: the output moves on as it went.
+  void coast(std::int64_t time_us);
+
+  /// A fix of the last second up to the last frame, compared at its own time. kGated: beyond the
+  /// gate. kHeld: under examination after an outage or a disagreement, or older than what is
+  /// remembered.
+  samples::Use update(const samples::GpsFix& fix);
+
+  /// What another reference, now lost, said of the heading of SAHRS: it is wrong by `error` (rad,
+  /// true - SAHRS) to `sigma` (rad).
+  void know_heading_error(double error, double sigma);
+
+  const samples::Navigation& navigation() const { return navigation_; }
+
+  /// Latest GPS position innovation and its sigma (m, north, east).
+  const Eigen::Vector2d& innovation() const { return innovation_; }
+  const Eigen::Vector2d& innovation_sigma() const { return innovation_sigma_; }
+
+  const Filter& filter() const { return guard_.filter(); }
+
+ private:
+  using PositionUpdate = strapdown::SparseUpdate<strapdown::kGroundStates, strapdown::GpsPosition>;
+
+  Filter& filter() { return guard_.filter(); }
+  bool started() const { return positioned_ && guard_.running() && filter().has_velocity(); }
+  void begin(const samples::Attitude& sahrs);
+  void start_at(double lat, double lon, double sigma);
+  PositionUpdate compare(const samples::GpsFix& fix, const strapdown::GroundPoint& at);
+  bool passes(PositionUpdate& update, bool has_height);
+  void reset(const samples::GpsFix& fix, const strapdown::GroundPoint& at, bool passed);
+  void yield_to_fixes();
+  void correct(const samples::GpsFix& fix, const PositionUpdate& update);
+  void take_velocity(const samples::GpsFix& fix);
+  bool fresh(std::int64_t time_us) const;
+  void refresh_status();
+  void refresh();
+  void refresh_sigma();
+  samples::FusionMode mode() const;
+
+  IntegratedParameters parameters_;
+  filter::Gate gate_;
+  FixNoise fix_noise_;
+  Reacquisition reacquisition_;
+  strapdown::GuardedFilter<strapdown::kGroundStates> guard_;
+
+  std::int64_t now_us_ = 0;
+  std::int64_t coasted_us_ = 0;
+  std::int64_t sigma_us_ = 0;
+  samples::Attitude sahrs_;
+  bool begun_ = false;       // once at least
+  bool positioned_ = false;  // a position is known
+  bool ever_aided_ = false;
+  std::int64_t aided_us_ = 0;
+  Eigen::Vector2d corrected_ = Eigen::Vector2d::Zero();  // m, sum of all position corrections
+  double noise_ = 1.0;                                   // m^2, of the latest fix
+  Eigen::Vector2d innovation_ = Eigen::Vector2d::Zero();
+  Eigen::Vector2d innovation_sigma_ = Eigen::Vector2d::Zero();
+  samples::Navigation navigation_;
+};
+
+}  // namespace lodestar::fusion
