@@ -60,8 +60,9 @@ inline std::array<FlightPoint, 6> flight_points() {
 }
 
 /// Steps of central differences, of the size of each state's error.
-inline StateVector steps() {
-  StateVector h;
+template <int N = kStates>
+StateVectorOf<N> steps() {
+  StateVectorOf<N> h;
   part<3>(h, kAttitude).setConstant(1e-4);
   part<3>(h, kVelocity).setConstant(1e-2);
   h(kHeight.offset) = h(kBaroHeight.offset) = 1e-1;
@@ -77,6 +78,12 @@ inline StateVector steps() {
   part<2>(h, kFlowBias).setConstant(1e-4);
   part<2>(h, kFlowScale).setConstant(1e-4);
   h(kPadding.offset) = 1.0;
+  if constexpr (kOverGround<N>) {
+    part<2>(h, kPosition).setConstant(1.0);
+    part<2>(h, kWind).setConstant(1e-2);
+    part<3>(h, kGpsError).setConstant(1.0);
+    h(kBaroBias.offset) = 1.0;
+  }
   return h;
 }
 
@@ -86,6 +93,7 @@ inline Place sweden() {
   place.earth_rate_N << 3.9e-5, 0.0, -6.2e-5;
   place.transport_rate_N << 1.1e-5, -2.8e-5, -1.7e-5;
   place.baro_lag = 0.3;
+  place.lat = 1.0;
   return place;
 }
 

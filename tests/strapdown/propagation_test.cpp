@@ -17,7 +17,8 @@ Covariance numeric_transition(const FlightPoint& point, double dt) {
     move(nominal, point.omega_B, point.force_B, sweden(), dt);
     for (int side = 0; side < 2; ++side) {
       Estimate x = point.x;
-      x.correct(StateVector::Unit(j) * (side == 0 ? h(j) : -h(j)));
+      const StateVector error = StateVector::Unit(j) * (side == 0 ? h(j) : -h(j));
+      x.correct(error);
       move(x, point.omega_B, point.force_B, sweden(), dt);
       moved[static_cast<std::size_t>(side)] = error_between(nominal, x);
     }
@@ -32,7 +33,7 @@ Covariance transition_of(const FlightPoint& point, double dt) {
   Covariance Phi;
   for (int j = 0; j < kStates; ++j) {
     StateVector column = StateVector::Unit(j);
-    propagate_error(column, step, sweden(), ProcessNoise{});
+    propagate_error<kStates>(column, step, sweden(), ProcessNoise{});
     Phi.col(j) = column;
   }
   return Phi;
@@ -65,16 +66,87 @@ TEST(Propagation, CovarianceFollowsItsTransition) {
     Covariance Phi;
     for (int j = 0; j < kStates; ++j) {
       StateVector column = StateVector::Unit(j);
-      propagate_error(column, step, sweden(), noise);
+      propagate_error<kStates>(column, step, sweden(), noise);
       Phi.col(j) = column;
     }
     const Covariance root = Covariance::Random();
     const Covariance full = root * root.transpose();
     Covariance P = full;
-    propagate(P, step, sweden(), noise);
+    propagate<kStates>(P, step, sweden(), noise);
     const Covariance expected = Phi * full * Phi.transpose();
     const Covariance got = P.selfadjointView<Eigen::Lower>();
     EXPECT_LT((got - expected).norm(), 1e-12 * expected.norm()) << point.name;
+  }
+}
+
+using GroundMatrix = CovarianceOf<kGroundStates>;
+using GroundVector = StateVectorOf<kGroundStates>;
+
+Estimate over_ground(const FlightPoint& point) {
+  Estimate x = point.x;
+  x.lat = sweden().lat;
+  x.lon = 0.3;
+  x.wind_N << 8.0, -12.0;
+  x.height = 2500.0;
+  return x;
+}
+
+/// Central differences of one frame of flight over the ground.
+GroundMatrix numeric_ground_transition(const FlightPoint& point, double dt) {
+  const GroundVector h = steps<kGroundStates>();
+  const auto fly = [&](Estimate x) {
+    const Step step = move(x, point.omega_B, point.force_B, sweden(), dt);
+    move_over_ground(x, step.v_N, dt);
+    return x;
+  };
+  const Estimate nominal = fly(over_ground(point));
+  GroundMatrix Phi;
+  for (int j = 0; j < kGroundStates; ++j) {
+    const GroundVector error = GroundVector::Unit(j) * h(j);
+    Estimate plus = over_ground(point), minus = over_ground(point);
+    plus.correct(error);
+    minus.correct<kGroundStates>(-error);
+    Phi.col(j) = (error_between<kGroundStates>(nominal, fly(plus)) -
+                  error_between<kGroundStates>(nominal, fly(minus))) /
+                 (2.0 * h(j));
+  }
+  return Phi;
+}
+
+TEST(Propagation, OverTheGroundTheCovarianceFollowsCentralDifferences) {
+  const double dt = 1e-3;  // what is left is second order in it
+  const GroundVector scale = steps<kGroundStates>();
+  for (const FlightPoint& point : flight_points()) {
+    GroundMatrix Phi = numeric_ground_transition(point, dt);
+    Phi.middleCols<kPadding.size>(kPadding.offset).setZero();
+    const GroundMatrix root = scale.asDiagonal() * GroundMatrix::Random();
+    GroundMatrix P = root * root.transpose();
+    const GroundMatrix expected = Phi * P * Phi.transpose();
+    Estimate x = over_ground(point);
+    const Step step = move(x, point.omega_B, point.force_B, sweden(), dt);
+    propagate<kGroundStates>(P, step, sweden(), ProcessNoise{});
+    const GroundMatrix got = P.selfadjointView<Eigen::Lower>();
+    for (int i = 0; i < kGroundStates; ++i) {
+      for (int j = 0; j < kGroundStates; ++j) {
+        if (i == kPadding.offset || j == kPadding.offset) continue;
+        EXPECT_NEAR(got(i, j), expected(i, j), 1e-5 * scale(i) * scale(j) * kGroundStates)
+            << point.name << " row " << i << " column " << j;
+      }
+    }
+  }
+}
+
+TEST(Propagation, AChangeOfWindIsNoneOfGroundVelocity) {
+  Step step;
+  step.dt = 0.01;
+  ProcessNoise noise;
+  noise.wind = 4.0;
+  GroundMatrix P = GroundMatrix::Zero();
+  propagate<kGroundStates>(P, step, Place{}, noise);
+  for (int axis = 0; axis < 2; ++axis) {
+    const int v = kVelocity.offset + axis, w = kWind.offset + axis;
+    EXPECT_NEAR(P(w, w), 0.04, 1e-15);
+    EXPECT_NEAR(P(v, v) + 2.0 * P(w, v) + P(w, w), 0.0, 1e-15);
   }
 }
 
@@ -85,7 +157,7 @@ TEST(Propagation, NoiseOfGyrosDrivesAttitudeAndVelocityTogether) {
   ProcessNoise noise;
   noise.gyro = 1e-8;
   Covariance P = Covariance::Zero();
-  propagate(P, step, sweden(), noise);
+  propagate<kStates>(P, step, sweden(), noise);
   // What turns the attitude by e turns the true velocity with it: dv = v x e.
   const Eigen::Matrix3d coupled = P.block<3, 3>(kVelocity.offset, kAttitude.offset);
   EXPECT_LT((coupled - math::skew(step.air_velocity_N) * 1e-10).norm(), 1e-20);

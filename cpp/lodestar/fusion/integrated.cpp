@@ -15,6 +15,7 @@ namespace {
 using samples::FusionMode;
 using samples::Use;
 using strapdown::GpsPosition;
+using strapdown::GpsVelocity;
 using strapdown::GroundPoint;
 
 constexpr double kUnknown = 1e4;        // m, position before the first fix
@@ -202,10 +203,10 @@ void Integrated::correct(const samples::GpsFix& fix, const PositionUpdate& updat
 void Integrated::take_velocity(const samples::GpsFix& fix) {
   const std::optional<GroundPoint> at = filter().ground_at(fix.time_us);
   const double sigma = std::max(parameters_.gps_velocity_noise, fix.sigma_velocity);
-  const strapdown::GpsVelocity m = strapdown::measure_velocity(fix.v_N.head<2>(), *at, sigma);
-  const strapdown::Delayed<strapdown::GpsVelocity> delayed(m, at->delay);
-  strapdown::SparseUpdate<strapdown::kGroundStates, strapdown::Delayed<strapdown::GpsVelocity>>
-      update(filter().covariance(), delayed);
+  const GpsVelocity m = strapdown::measure_velocity(fix.v_N.head<2>(), *at, sigma);
+  const strapdown::Delayed<GpsVelocity> delayed(m, at->delay);
+  strapdown::SparseUpdate<strapdown::kGroundStates, strapdown::Delayed<GpsVelocity>> update(
+      filter().covariance(), delayed);
   if (ever_aided_ && !gate_.passes(update.normalised_square(), 2)) return;
   filter().apply(update);
 }
@@ -250,32 +251,34 @@ void Integrated::refresh() {
 }
 
 void Integrated::refresh_sigma() {
-  using namespace strapdown;
   sigma_us_ = now_us_;
-  const Eigen::Matrix<double, kGroundStates, kGroundStates>& P = filter().covariance();
-  const Estimate x = filter().estimate();
+  const Filter::Matrix& P = filter().covariance();
+  const strapdown::Estimate x = filter().estimate();
+  constexpr int kPosition = strapdown::kPosition.offset;
   const Eigen::Matrix2d position =
-      P.block<2, 2>(kPosition.offset, kPosition.offset).selfadjointView<Eigen::Lower>();
+      P.block<2, 2>(kPosition, kPosition).selfadjointView<Eigen::Lower>();
   navigation_.sigma_position.head<2>() = position.diagonal().cwiseSqrt();
-  const int h = kHeight.offset, b = kBaroBias.offset;
-  navigation_.sigma_position.z() = std::sqrt(P(h, h) + 2.0 * P(b, h) + P(b, b));
+  const int height = strapdown::kHeight.offset;
+  const int bias = strapdown::kBaroBias.offset;
+  navigation_.sigma_position.z() =
+      std::sqrt(P(height, height) + 2.0 * P(bias, height) + P(bias, bias));
+  const double widest = position.selfadjointView<Eigen::Lower>().eigenvalues().maxCoeff();
   navigation_.horizontal_protection_level =
-      positioned_ ? protection_multiple() *
-                        std::sqrt(position.selfadjointView<Eigen::Lower>().eigenvalues().maxCoeff())
-                  : -1.0;
+      positioned_ ? protection_multiple() * std::sqrt(widest) : -1.0;
 
   GroundPoint here;
   here.air_velocity_N = x.air_velocity_N;
-  const GpsVelocity seen = measure_velocity(Eigen::Vector2d::Zero(), here, 0.0);
+  const GpsVelocity seen = strapdown::measure_velocity(Eigen::Vector2d::Zero(), here, 0.0);
   navigation_.sigma_velocity.head<2>() =
-      SparseUpdate<kGroundStates, GpsVelocity>(P, seen).S().diagonal().cwiseSqrt();
-  const int down = kVelocity.offset + 2;
+      strapdown::SparseUpdate<strapdown::kGroundStates, GpsVelocity>(P, seen)
+          .S()
+          .diagonal()
+          .cwiseSqrt();
+  const int down = strapdown::kVelocity.offset + 2;
   navigation_.sigma_velocity.z() = std::sqrt(P(down, down));
-  const double gust = square(filter().gust_sigma());
-  for (int axis = 0; axis < 2; ++axis) {
-    const int wind = kWind.offset + axis;
-    navigation_.sigma_wind(axis) = std::sqrt(P(wind, wind) + gust);
-  }
+  // Gusts are wind that is not in the estimate.
+  const Eigen::Vector2d wind = P.diagonal().segment<2>(strapdown::kWind.offset);
+  navigation_.sigma_wind = (wind.array() + square(filter().gust_sigma())).sqrt();
   navigation_.sigma_attitude =
       angle_sigma(math::euler_from_C_NB(x.C_NB), filter().attitude_covariance_B());
 }

@@ -80,6 +80,20 @@ void decay(CovarianceOf<N>& P, math::Block block, double factor) {
   }
 }
 
+/// Turns the errors from `offset` on by R: P <- T P T'.
+template <int Width, int N>
+void turn(CovarianceOf<N>& P, int offset, const Eigen::Matrix<double, Width, Width>& R) {
+  Eigen::Matrix<double, N, Width> columns = symmetric_columns<Width>(P, offset);
+  columns = (columns * R.transpose()).eval();
+  columns.template middleRows<Width>(offset) =
+      (R * columns.template middleRows<Width>(offset)).eval();
+  for (int j = 0; j < Width; ++j) {
+    const int c = offset + j;
+    P.col(c).tail(N - c) = columns.col(j).tail(N - c);
+    P.row(c).head(c) = columns.col(j).head(c).transpose();
+  }
+}
+
 template <int N>
 void add_noise(CovarianceOf<N>& P, const Step& step, const ProcessNoise& noise) {
   const double dt = step.dt;
@@ -205,17 +219,11 @@ Eigen::Vector2d move_over_ground(Estimate& x, const Eigen::Vector3d& v_N, double
 }
 
 template <int N>
-void turn_sensor_errors(CovarianceOf<N>& P, const Eigen::Matrix3d& R_B) {
+void turn_errors(CovarianceOf<N>& P, const Eigen::Vector3d& phi_N, const Eigen::Matrix3d& C_NB) {
+  const Eigen::Matrix3d R_N = math::exp_so3(phi_N);
+  const Eigen::Matrix3d R_B = C_NB.transpose() * R_N.transpose() * C_NB;
   for (const math::Block block : {kForceBias, kGyroBias, kFieldDrift, kFieldBias}) {
-    Eigen::Matrix<double, N, 3> columns = symmetric_columns<3>(P, block.offset);
-    columns = (columns * R_B.transpose()).eval();
-    columns.template middleRows<3>(block.offset) =
-        (R_B * columns.template middleRows<3>(block.offset)).eval();
-    for (int j = 0; j < 3; ++j) {
-      const int c = block.offset + j;
-      P.col(c).tail(N - c) = columns.col(j).tail(N - c);
-      P.row(c).head(c) = columns.col(j).head(c).transpose();
-    }
+    turn<3>(P, block.offset, R_B);
   }
 }
 
@@ -227,8 +235,9 @@ template void propagate_error<kStates>(StateVectorOf<kStates>&, const Step&, con
                                        const ProcessNoise&);
 template void propagate_error<kGroundStates>(StateVectorOf<kGroundStates>&, const Step&,
                                              const Place&, const ProcessNoise&);
-template void turn_sensor_errors<kStates>(CovarianceOf<kStates>&, const Eigen::Matrix3d&);
-template void turn_sensor_errors<kGroundStates>(CovarianceOf<kGroundStates>&,
-                                                const Eigen::Matrix3d&);
+template void turn_errors<kStates>(CovarianceOf<kStates>&, const Eigen::Vector3d&,
+                                   const Eigen::Matrix3d&);
+template void turn_errors<kGroundStates>(CovarianceOf<kGroundStates>&, const Eigen::Vector3d&,
+                                         const Eigen::Matrix3d&);
 
 }  // namespace lodestar::strapdown

@@ -79,12 +79,14 @@ void propagate_error(StateVectorOf<N>& x, const Step& step, const Place& place,
 /// north, east).
 Eigen::Vector2d move_over_ground(Estimate& x, const Eigen::Vector3d& v_N, double dt);
 
-/// The vectors of the sensors' errors (biases of force, gyros and field, drift of the field) are
-/// kept in B, but what was learnt of them was learnt in N, together with the attitude: when this is
-/// corrected their covariance turns, in B, the opposite way. `R_B`: from B as it was to B as it is.
-/// Without it the filter takes its own corrections for turns of the aircraft, in which the hard
-/// iron would show (Barrau and Bonnabel, The geometry of navigation problems, 2022).
+/// What a correction `phi_N` (rad, in N) of the attitude does to what is known of other vectors;
+/// `C_NB`: the attitude. The errors of sensors (biases of force, gyros and field, drift of the
+/// field) are kept in B, but what was learnt of them was learnt in N, together with the attitude:
+/// their covariance turns, in B, the opposite way. The errors of the air velocity, and of the wind
+/// with it, are kept in N, but the air data know them in B: their covariance turns with B. Without
+/// it the filter takes its own corrections for turns of the aircraft, in which hard iron, airspeed
+/// and sideslip would show (Barrau and Bonnabel, The geometry of navigation problems, 2022).
 template <int N>
-void turn_sensor_errors(CovarianceOf<N>& P, const Eigen::Matrix3d& R_B);
+void turn_errors(CovarianceOf<N>& P, const Eigen::Vector3d& phi_N, const Eigen::Matrix3d& C_NB);
 
 }  // namespace lodestar::strapdown

@@ -82,10 +82,10 @@ struct Estimate {
   Eigen::Vector3d gust_B = Eigen::Vector3d::Zero();          // m/s, added to the air velocity in B
   Eigen::Vector3d field_bias_B = Eigen::Vector3d::Zero();    // nT
   Eigen::Matrix3d field_matrix = Eigen::Matrix3d::Zero();    // measured = (I + it) b + bias + drift
-  double airspeed_scale = 0.0;                               // measured = (1 + scale) V + bias
+  double airspeed_scale = 0.0;                               // measured = V + scale V + bias
   double airspeed_bias = 0.0;                                // m/s
   Eigen::Vector2d flow_bias = Eigen::Vector2d::Zero();       // rad, alpha and beta
-  Eigen::Vector2d flow_scale = Eigen::Vector2d::Zero();      // measured = (1 + scale) angle + bias
+  Eigen::Vector2d flow_scale = Eigen::Vector2d::Zero();  // measured = angle + scale angle + bias
 
   // Over the ground; unused without GPS.
   double lat = 0.0;                                     // rad

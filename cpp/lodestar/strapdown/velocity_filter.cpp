@@ -120,7 +120,7 @@ void StrapdownFilter<N>::fold_in(const Vector& correction) {
   corrections_.add(correction);
   unturned_N_ += part<3>(correction, kAttitude);
   if (unturned_N_.squaredNorm() > kLeastTurn * kLeastTurn) {
-    turn_sensor_errors(P_, math::exp_so3(-(x_.C_NB.transpose() * unturned_N_)));
+    turn_errors(P_, unturned_N_, x_.C_NB);
     unturned_N_.setZero();
   }
 }
