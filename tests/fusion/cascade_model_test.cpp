@@ -10,6 +10,7 @@ namespace {
 
 using math::kDegree;
 
+constexpr AttitudeError kEuler = AttitudeError::kEuler;
 constexpr int kNorth = kPositionError.offset;
 constexpr int kEast = kPositionError.offset + 1;
 
@@ -35,38 +36,40 @@ StateVector state(math::Block block, double value, int element = 0) {
 
 TEST(CascadeModel, WindMovesThePositionAsItBlows) {
   const TrackPoint point = point_of({0.0, 0.0, 1.0}, {200.0, 0.0, 0.0});
-  EXPECT_LT((position_error_rate(point, state(kWind, 6.0, 0)) - Eigen::Vector2d(6.0, 0.0)).norm(),
-            1e-12);
-  EXPECT_LT((position_error_rate(point, state(kWind, 7.0, 1)) - Eigen::Vector2d(0.0, 7.0)).norm(),
-            1e-12);
+  EXPECT_LT(
+      (position_error_rate(kEuler, point, state(kWind, 6.0, 0)) - Eigen::Vector2d(6.0, 0.0)).norm(),
+      1e-12);
+  EXPECT_LT(
+      (position_error_rate(kEuler, point, state(kWind, 7.0, 1)) - Eigen::Vector2d(0.0, 7.0)).norm(),
+      1e-12);
 }
 
 TEST(CascadeModel, TrueHeadingRightOfSahrsMovesThePositionRight) {
   const StateVector x = state(kHeadingError, 0.01);
-  const Eigen::Vector2d north = position_error_rate(point_of({}, {200.0, 0.0, 0.0}), x);
+  const Eigen::Vector2d north = position_error_rate(kEuler, point_of({}, {200.0, 0.0, 0.0}), x);
   EXPECT_NEAR(north.y(), 2.0, 1e-3);  // flying north: to the east
   const Eigen::Vector2d east =
-      position_error_rate(point_of({0.0, 0.0, 90.0 * kDegree}, {200.0, 0.0, 0.0}), x);
+      position_error_rate(kEuler, point_of({0.0, 0.0, 90.0 * kDegree}, {200.0, 0.0, 0.0}), x);
   EXPECT_NEAR(east.x(), -2.0, 1e-3);  // flying east: to the south
 }
 
 TEST(CascadeModel, TruePitchAboveSahrsSlowsAClimbOverTheGround) {
   const TrackPoint climbing = point_of({0.0, 0.3, 0.0}, {200.0, 0.0, 0.0});
-  const Eigen::Vector2d rate = position_error_rate(climbing, state(kPitchError, 0.001));
+  const Eigen::Vector2d rate = position_error_rate(kEuler, climbing, state(kPitchError, 0.001));
   EXPECT_NEAR(rate.x(), -200.0 * std::sin(0.3) * 0.001, 1e-4);
 }
 
 TEST(CascadeModel, TrueRollRightOfSahrsTurnsTheAngleOfAttackLeft) {
   // With w > 0 the air velocity lies below the nose; rolling right swings it left.
   const TrackPoint point = point_of({}, {200.0, 0.0, 20.0});
-  const Eigen::Vector2d rate = position_error_rate(point, state(kRollError, 0.01));
+  const Eigen::Vector2d rate = position_error_rate(kEuler, point, state(kRollError, 0.01));
   EXPECT_NEAR(rate.y(), -20.0 * 0.01, 1e-4);
 }
 
 TEST(CascadeModel, APositionErrorNorthMeansShorterParallels) {
   // Flying east on the northern half: north of where we think, so further east than we think.
   const TrackPoint point = point_of({0.0, 0.0, 90.0 * kDegree}, {200.0, 0.0, 0.0}, 60.0 * kDegree);
-  EXPECT_GT(position_error_rate(point, state(kPositionError, 1000.0)).y(), 0.0);
+  EXPECT_GT(position_error_rate(kEuler, point, state(kPositionError, 1000.0)).y(), 0.0);
 }
 
 TEST(CascadeModel, GpsErrorIsMeasuredMinusTrue) {
@@ -85,7 +88,8 @@ TEST(CascadeModel, PositionErrorRateIsThatOfTwoTracksOnTheEllipsoid) {
   x(kHeadingError.offset) = 0.02;
   x(kPitchError.offset) = -0.004;
   x(kRollError.offset) = 0.006;
-  Eigen::Vector3d v_true_N = math::C_NB_from_euler(corrected_attitude(point, x)) * point.v_air_B;
+  Eigen::Vector3d v_true_N =
+      math::C_NB_from_euler(corrected_attitude(kEuler, point, x)) * point.v_air_B;
   v_true_N.head<2>() += x.segment<2>(kWind.offset);
   v_true_N.z() = 0.0;
 
@@ -105,11 +109,12 @@ TEST(CascadeModel, PositionErrorRateIsThatOfTwoTracksOnTheEllipsoid) {
   const Eigen::Vector3d rate = (error_at(kStep) - error_at(-kStep)) / (2.0 * kStep);
   // The convergence term has the computed velocity, not the true one: 10 m/s of wind and 200 m of
   // error leave 10 * 200 tan(lat) / r = 5e-4 m/s.
-  EXPECT_LT((rate.head<2>() - position_error_rate(point, x)).norm(), 5e-4);
+  EXPECT_LT((rate.head<2>() - position_error_rate(kEuler, point, x)).norm(), 5e-4);
 }
 
 /// Central differences of the position rows.
-PositionMatrix numeric_position_rows(const TrackPoint& point, const StateVector& x) {
+PositionMatrix numeric_position_rows(AttitudeError form, const TrackPoint& point,
+                                     const StateVector& x) {
   PositionMatrix J;
   for (int i = 0; i < kStates; ++i) {
     const double step = i < kHeadingError.offset ? 1e-2 : 1e-5;
@@ -117,7 +122,8 @@ PositionMatrix numeric_position_rows(const TrackPoint& point, const StateVector&
     StateVector down = x;
     up(i) += step;
     down(i) -= step;
-    J.col(i) = (position_error_rate(point, up) - position_error_rate(point, down)) / (2.0 * step);
+    J.col(i) = (position_error_rate(form, point, up) - position_error_rate(form, point, down)) /
+               (2.0 * step);
   }
   return J;
 }
@@ -125,22 +131,25 @@ PositionMatrix numeric_position_rows(const TrackPoint& point, const StateVector&
 class CascadeJacobians : public testing::TestWithParam<math::Euler> {};
 
 TEST_P(CascadeJacobians, AgreeWithCentralDifferences) {
-  const CascadeParameters parameters;
+  CascadeParameters parameters;
   const TrackPoint point = point_of(GetParam(), {198.0, -4.0, 15.0});
-  for (const double size : {0.0, 1.0}) {
-    StateVector x;
-    x << 120.0, -80.0, 3.0, 4.0, 6.0, 7.0, 0.03, -0.01, 0.02;
-    x *= size;
-    const ErrorDynamics model = error_dynamics(parameters, point, x);
-    const PositionMatrix numeric = numeric_position_rows(point, x);
-    const PositionMatrix rows = model.F.topRows<2>();
-    // Relative to each column's scale: metres per second and radian reach 200.
-    for (int i = 0; i < kStates; ++i) {
-      const double scale = std::max(1.0, rows.col(i).norm());
-      EXPECT_LT((rows.col(i) - numeric.col(i)).norm(), 1e-6 * scale) << "state " << i;
+  for (const AttitudeError form : {AttitudeError::kEuler, AttitudeError::kSmallAngle}) {
+    parameters.attitude_error = form;
+    for (const double size : {0.0, 1e-4, 1.0}) {
+      StateVector x;
+      x << 120.0, -80.0, 3.0, 4.0, 6.0, 7.0, 0.03, -0.01, 0.02, 0.015, -0.04;
+      x *= size;
+      const ErrorDynamics model = error_dynamics(parameters, point, x);
+      const PositionMatrix numeric = numeric_position_rows(form, point, x);
+      const PositionMatrix rows = model.F.topRows<2>();
+      // Relative to each column's scale: metres per second and radian reach 200.
+      for (int i = 0; i < kStates; ++i) {
+        const double scale = std::max(1.0, rows.col(i).norm());
+        EXPECT_LT((rows.col(i) - numeric.col(i)).norm(), 1e-6 * scale) << "state " << i;
+      }
+      PositionMatrix velocity = velocity_by_states(form, point, x);
+      EXPECT_LT((velocity - rows).rightCols<7>().norm(), 1e-9);
     }
-    PositionMatrix velocity = velocity_by_states(point, x);
-    EXPECT_LT((velocity - rows).rightCols<5>().norm(), 1e-9);
   }
 }
 
@@ -187,6 +196,7 @@ TEST(CascadeModel, EachErrorDecaysWithItsOwnTimeConstant) {
   EXPECT_EQ(F(kHeadingError.offset, kHeadingError.offset), -1.0 / parameters.heading_error.tau);
   EXPECT_EQ(F(kPitchError.offset, kPitchError.offset), -1.0 / parameters.pitch_error.tau);
   EXPECT_EQ(F(kRollError.offset, kRollError.offset), -1.0 / parameters.roll_error.tau);
+  EXPECT_EQ(F(kDeviation.offset, kDeviation.offset), -1.0 / parameters.heading_deviation.tau);
   EXPECT_EQ(F(kNorth, kNorth), 0.0);
   EXPECT_NE(F(kEast, kEast), 0.0);
 }

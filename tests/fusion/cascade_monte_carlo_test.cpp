@@ -103,5 +103,45 @@ TEST(CascadeMonteCarlo, SigmaIsTrueWhereTheModelIs) {
   height.check("height, m");
 }
 
+/// Heading and wind on flights of the model `parameters`, compass included.
+void check_heading_and_wind(CascadeParameters parameters) {
+  parameters.airspeed_bias = parameters.beta_bias = 0.0;
+  parameters.wind.tau = 400.0;
+  Coverage wind, heading;
+  for (unsigned seed = 1; seed <= 40; ++seed) {
+    FlightOptions options;
+    options.seed = seed;
+    options.rate = 30.0;
+    options.leg = 60.0;
+    options.wind = GaussMarkovWind(1000 + seed, parameters.wind);
+    std::mt19937_64 generator(seed);
+    std::normal_distribution<double> normal;
+    const double forward = parameters.heading_deviation.sigma * normal(generator);
+    options.compass_error << forward, parameters.heading_deviation.sigma * normal(generator);
+    CascadeFlight flight(options, parameters);
+    flight.fly_until(60.0);
+    for (double time = 65.0; time <= 700.0; time += 5.0) {
+      flight.fly_until(time);
+      const samples::Navigation& n = flight.navigation();
+      for (int axis = 0; axis < 2; ++axis) wind.add(flight.wind_error()(axis), n.sigma_wind(axis));
+      heading.add(flight.heading_error(), n.sigma_attitude.z());
+    }
+  }
+  wind.check("wind, m/s");
+  heading.check("heading, deg", math::kDegree);
+}
+
+TEST(CascadeMonteCarlo, SigmaIsTrueForACompassOfTheModel) {
+  CascadeParameters parameters;
+  parameters.heading_deviation = {2.0 * math::kDegree, 1e5};  // the simulator's lasts
+  check_heading_and_wind(parameters);
+}
+
+TEST(CascadeMonteCarlo, SigmaIsTrueWithSmallAngles) {
+  CascadeParameters parameters;
+  parameters.attitude_error = AttitudeError::kSmallAngle;
+  check_heading_and_wind(parameters);
+}
+
 }  // namespace
 }  // namespace lodestar::fusion

@@ -220,9 +220,12 @@ TEST(CascadeOutage, NothingThatPassesTheChecksMakesItUnfit) {
   std::mt19937_64 generator(9);
   std::uniform_real_distribution<double> uniform(-1.0, 1.0);
   const auto draw = [&](double limit) { return limit * uniform(generator); };
-  for (const CovarianceForm form : {CovarianceForm::kJoseph, CovarianceForm::kUd}) {
-    CascadeParameters parameters;
-    parameters.covariance = form;
+  CascadeParameters plain, factors, small_angle;
+  factors.covariance = CovarianceForm::kUd;
+  small_angle.attitude_error = AttitudeError::kSmallAngle;
+  small_angle.heading_deviation.sigma = 1.0 * kDegree;
+  small_angle.wind_turn_gain = small_angle.heading_turn_gain = 5.0;
+  for (const CascadeParameters& parameters : {plain, factors, small_angle}) {
     const auto cascade = std::make_unique<Cascade>(parameters);
     std::int64_t time_us = 0;
     const auto frame = [&](const SimulatedFrame& good, bool wild) {
@@ -243,6 +246,7 @@ TEST(CascadeOutage, NothingThatPassesTheChecksMakesItUnfit) {
         sahrs.pitch = e.pitch;
         sahrs.heading = e.heading;
         sahrs.P_B = std::pow(10.0, draw(6.0)) * Eigen::Matrix3d::Identity();
+        sahrs.omega_B << draw(10.0), draw(10.0), draw(10.0);
         sahrs.reset_count = static_cast<std::int16_t>(draw(3.0));
         fix.lat = draw(0.5 * math::kPi);
         fix.lon = draw(math::kPi);

@@ -13,6 +13,7 @@ using math::kDegree;
 StepConditions calm() {
   StepConditions conditions;
   conditions.angle_variance << 4e-4, 5e-5, 1e-4;
+  conditions.turn_rate = 0.03;
   return conditions;
 }
 
@@ -30,7 +31,7 @@ TrackPoint point_at(double time) {
 
 ErrorEstimate start(CovarianceForm form) {
   StateVector sigma;
-  sigma << 10.0, 10.0, 5.0, 5.0, 7.0, 7.0, 0.02, 0.007, 0.01;
+  sigma << 10.0, 10.0, 5.0, 5.0, 7.0, 7.0, 0.02, 0.007, 0.01, 0.01, 0.01;
   const StateMatrix P = sigma.cwiseAbs2().asDiagonal();
   return {StateVector::Zero(), ErrorCovariance(form, P)};
 }
@@ -48,21 +49,42 @@ ErrorEstimate fly(const CascadeParameters& parameters) {
   return estimate;
 }
 
+void expect_both_forms_agree(CascadeParameters parameters) {
+  const ErrorEstimate joseph = fly(parameters);
+  parameters.covariance = CovarianceForm::kUd;
+  const ErrorEstimate ud = fly(parameters);
+  const StateMatrix P = joseph.P.matrix();
+  const StateVector scale = P.diagonal().cwiseSqrt().cwiseInverse();
+  const StateMatrix difference = scale.asDiagonal() * (ud.P.matrix() - P) * scale.asDiagonal();
+  EXPECT_LT(difference.cwiseAbs().maxCoeff(), 1e-9);
+  EXPECT_LT((ud.x - joseph.x).norm(), 1e-9 * joseph.x.norm());
+  const PositionMatrix H = position_measurement();
+  EXPECT_LT((ud.P.projected(H) - joseph.P.projected(H)).norm(), 1e-9);
+}
+
 TEST(ErrorFilter, UdAndJosephAgree) {
   for (const Linearisation linearisation : {Linearisation::kExtended, Linearisation::kLinearised}) {
     CascadeParameters parameters;
     parameters.linearisation = linearisation;
-    const ErrorEstimate joseph = fly(parameters);
-    parameters.covariance = CovarianceForm::kUd;
-    const ErrorEstimate ud = fly(parameters);
-    const StateMatrix P = joseph.P.matrix();
-    const StateVector scale = P.diagonal().cwiseSqrt().cwiseInverse();
-    const StateMatrix difference = scale.asDiagonal() * (ud.P.matrix() - P) * scale.asDiagonal();
-    EXPECT_LT(difference.cwiseAbs().maxCoeff(), 1e-9);
-    EXPECT_LT((ud.x - joseph.x).norm(), 1e-9 * joseph.x.norm());
-    const PositionMatrix H = position_measurement();
-    EXPECT_LT((ud.P.projected(H) - joseph.P.projected(H)).norm(), 1e-9);
+    expect_both_forms_agree(parameters);
   }
+}
+
+TEST(ErrorFilter, UdAndJosephAgreeWithEachOption) {
+  CascadeParameters small_angle;
+  small_angle.attitude_error = AttitudeError::kSmallAngle;
+  expect_both_forms_agree(small_angle);
+  CascadeParameters compass;
+  compass.heading_deviation.sigma = 1.0 * kDegree;
+  expect_both_forms_agree(compass);
+  CascadeParameters turning;
+  turning.heading_turn_gain = 3.0;
+  turning.wind_turn_gain = 5.0;
+  expect_both_forms_agree(turning);
+  CascadeParameters all = turning;
+  all.attitude_error = AttitudeError::kSmallAngle;
+  all.heading_deviation.sigma = 1.0 * kDegree;
+  expect_both_forms_agree(all);
 }
 
 TEST(ErrorFilter, CovarianceStaysSymmetricAndPositive) {
@@ -94,7 +116,7 @@ TEST(ErrorFilter, GaussMarkovStatesReachTheirStationaryLevel) {
 TEST(ErrorFilter, StepsCanBeSplitAnywhere) {
   const CascadeParameters parameters;
   ErrorEstimate whole = start(CovarianceForm::kJoseph);
-  whole.x << 50.0, -20.0, 3.0, 1.0, 6.0, 7.0, 0.03, 0.002, -0.005;
+  whole.x << 50.0, -20.0, 3.0, 1.0, 6.0, 7.0, 0.03, 0.002, -0.005, 0.01, -0.02;
   ErrorEstimate split = whole;
   whole.propagate(parameters, calm(), point_at(0.0), point_at(0.1));
   split.propagate(parameters, calm(), point_at(0.0), point_at(0.03));
@@ -141,11 +163,13 @@ TEST(ErrorFilter, ARestartOfSahrsForgetsItsAnglesAlone) {
     restarted.sahrs_restarted = true;
     kept.propagate(parameters, calm(), point_at(600.0), point_at(600.1));
     estimate.propagate(parameters, restarted, point_at(600.0), point_at(600.1));
-    EXPECT_TRUE(estimate.x.tail<3>().isZero(0.0));
+    EXPECT_TRUE(estimate.x.tail<5>().isZero(0.0));
     EXPECT_EQ(estimate.x.head<6>(), kept.x.head<6>());
     const StateMatrix P = estimate.P.matrix();
-    EXPECT_LT((P.diagonal().tail<3>() - calm().angle_variance).norm(), 1e-15);
-    EXPECT_LT((P.block<6, 3>(0, 6).norm()), 1e-12);
+    EXPECT_LT((P.diagonal().segment<3>(kHeadingError.offset) - calm().angle_variance).norm(),
+              1e-15);
+    EXPECT_TRUE(P.diagonal().tail<2>().isZero(0.0));
+    EXPECT_LT((P.block<6, 5>(0, 6).norm()), 1e-12);
     EXPECT_LT((P.topLeftCorner<6, 6>() - kept.P.matrix().topLeftCorner<6, 6>()).norm(), 1e-9);
   }
 }
@@ -185,6 +209,60 @@ TEST(ErrorFilter, LostAirDataAndGapsOfFramesGrowTheUncertainty) {
     steps.propagate(parameters, calm(), point_at(0.1 * i), point_at(0.1 * (i + 1)));
   }
   EXPECT_GT(gap.P.matrix()(0, 0), steps.P.matrix()(0, 0) + 50.0);
+}
+
+double wind_growth(double gain, double turn_rate) {
+  CascadeParameters parameters;
+  parameters.wind_turn_gain = gain;
+  StepConditions conditions = calm();
+  conditions.turn_rate = turn_rate;
+  ErrorEstimate estimate = start(CovarianceForm::kJoseph);
+  const double before = estimate.P.matrix()(kWind.offset, kWind.offset);
+  estimate.propagate(parameters, conditions, point_at(0.0), point_at(0.1));
+  return estimate.P.matrix()(kWind.offset, kWind.offset) - before;
+}
+
+TEST(ErrorFilter, AStandardRateTurnAddsItsGainToTheProcessNoiseOfTheWind) {
+  const double added = 0.1 * CascadeParameters{}.wind.spectral_density();
+  const double straight = wind_growth(4.0, 0.0);
+  // 1e-4: the noise decays within the step, too.
+  EXPECT_NEAR(wind_growth(4.0, 3.0 * kDegree) - straight, 4.0 * added, 4e-4 * added);
+  EXPECT_NEAR(wind_growth(4.0, 6.0 * kDegree) - straight, 8.0 * added, 8e-4 * added);
+  EXPECT_EQ(wind_growth(0.0, 6.0 * kDegree), straight);
+}
+
+TEST(ErrorFilter, AStandardRateTurnAddsItsGainToTheProcessNoiseOfTheHeading) {
+  CascadeParameters parameters;
+  parameters.heading_turn_gain = 2.0;
+  StepConditions conditions = calm();
+  const auto variance = [&](double turn_rate) {
+    conditions.turn_rate = turn_rate;
+    ErrorEstimate estimate = start(CovarianceForm::kJoseph);
+    estimate.propagate(parameters, conditions, point_at(0.0), point_at(0.1));
+    return StateVector(estimate.P.matrix().diagonal());
+  };
+  const StateVector added = variance(3.0 * kDegree) - variance(0.0);
+  const double expected = 2.0 * 0.1 * 2.0 * 4e-4 / parameters.heading_error.tau;
+  EXPECT_NEAR(added(kHeadingError.offset), expected, 2e-3 * expected);
+  EXPECT_EQ(added(kPitchError.offset), 0.0);
+  EXPECT_EQ(added(kWind.offset), 0.0);
+}
+
+TEST(ErrorFilter, WithoutADeviationItsStatesStayZeroToTheBit) {
+  for (const CovarianceForm form : {CovarianceForm::kJoseph, CovarianceForm::kUd}) {
+    StateMatrix P = start(form).P.matrix();
+    P.diagonal().segment<2>(kDeviation.offset).setZero();
+    ErrorEstimate estimate{StateVector::Zero(), ErrorCovariance(form, P)};
+    for (int i = 0; i < 600; ++i) {
+      estimate.propagate({}, calm(), point_at(i), point_at(i + 1));
+      const PositionMatrix H = position_measurement();
+      const Eigen::Vector2d measured(20.0 * std::sin(0.1 * i), 5.0 * i);
+      estimate.x += estimate.P.update(H, 1.0, measured - H * estimate.x);
+    }
+    EXPECT_NE(estimate.x(kHeadingError.offset), 0.0);
+    EXPECT_TRUE(estimate.x.segment<2>(kDeviation.offset).isZero(0.0));
+    EXPECT_TRUE(estimate.P.matrix().rightCols<2>().isZero(0.0));
+  }
 }
 
 Step step_at(int second) {

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// What fixes, gusts and innovations say of themselves: FixLine, FixNoise, Reacquisition, WindWatch,
-// GustMeter.
+// What fixes, gusts and innovations say of themselves: FixLine, FixMotion, FixNoise, Reacquisition,
+// WindWatch, GustMeter.
 #include <gtest/gtest.h>
 
 #include <random>
 
 #include "lodestar/filter/gate.h"
+#include "lodestar/fusion/fix_motion.h"
 #include "lodestar/fusion/fix_noise.h"
 #include "lodestar/fusion/gust_meter.h"
 #include "lodestar/fusion/reacquisition.h"
@@ -50,6 +51,62 @@ TEST(FixLine, APauseBeginsANewLine) {
   EXPECT_FALSE(line.continues(us(2.0)));
   line.push(us(9.0), {0.0, 0.0});
   EXPECT_EQ(line.size(), 1);
+}
+
+samples::GpsFix fix_at(double time, double north) {
+  samples::GpsFix fix;
+  fix.time_us = us(time);
+  fix.lat = 1.0 + north / 6.4e6;
+  fix.lon = 0.3;
+  return fix;
+}
+
+const Vector2d kFast(200.0, 0.0);  // m/s, through the air
+const Vector2d kSlow(50.0, 0.0);
+
+TEST(FixMotion, ARepeatedPlaceStandsStillAtOnceAtAnySpeed) {
+  FixMotion motion;
+  EXPECT_FALSE(motion.stands_still(fix_at(0.0, 0.0), kSlow));
+  EXPECT_TRUE(motion.stands_still(fix_at(0.1, 0.0), kSlow));
+  EXPECT_FALSE(motion.stands_still(fix_at(0.2, 4.0), kSlow));
+}
+
+TEST(FixMotion, APlaceThatOnlyTremblesStandsStillInFastFlight) {
+  Noise noise(4);
+  FixMotion fast, slow;
+  int still = 0;
+  for (int i = 0; i < 60; ++i) {
+    const samples::GpsFix fix = fix_at(i, noise.pair(2.0).x());
+    still += fast.stands_still(fix, kFast) ? 1 : 0;
+    EXPECT_FALSE(slow.stands_still(fix, kSlow));  // a wind can hold that in place
+  }
+  EXPECT_EQ(still, 58);  // from 2 s on
+}
+
+TEST(FixMotion, MovesAgainWithinTwoSecondsOfAReceiverThatDoes) {
+  FixMotion motion;
+  Noise noise(4);
+  for (int i = 0; i < 10; ++i) motion.stands_still(fix_at(i, noise.pair(2.0).x()), kFast);
+  EXPECT_TRUE(motion.stands_still(fix_at(10.0, 0.0), kFast));
+  motion.stands_still(fix_at(11.0, 200.0), kFast);
+  EXPECT_FALSE(motion.stands_still(fix_at(12.0, 400.0), kFast));
+}
+
+TEST(FixMotion, LetsAnAircraftGoUpwardsOrTurnBackOnItsPlace) {
+  FixMotion vertical, loop;
+  Noise noise(5);
+  for (int i = 0; i < 60; ++i) {
+    EXPECT_FALSE(vertical.stands_still(fix_at(i, noise.pair(2.0).x()), Vector2d::Zero()));
+    // North for a second, south for a second: where it was two seconds ago.
+    const Vector2d v_air = (i % 2 == 0 ? 1.0 : -1.0) * kFast;
+    EXPECT_FALSE(loop.stands_still(fix_at(i, noise.pair(2.0).x()), v_air));
+  }
+}
+
+TEST(FixMotion, SaysNothingOfFixesLongApart) {
+  FixMotion motion;
+  EXPECT_FALSE(motion.stands_still(fix_at(0.0, 0.0), kFast));
+  EXPECT_FALSE(motion.stands_still(fix_at(60.0, 3.0), kFast));
 }
 
 double measured_noise(double true_sigma, double stated_sigma) {

@@ -11,6 +11,7 @@
 #include <random>
 
 #include "lodestar/earth/wgs84.h"
+#include "lodestar/fusion/attitude_error.h"
 #include "lodestar/fusion/dead_reckoning.h"
 #include "lodestar/math/gauss_markov.h"
 #include "lodestar/math/rotation.h"
@@ -42,8 +43,15 @@ struct FlightOptions {
   double baro_bias = 0.0;                    // m, true - baro
   double baro_noise = 0.5;                   // m
   double heading_offset = 0.0;               // rad, more heading error (true - SAHRS)
-  bool stated_sigma = true;                  // SAHRS states its sigma in P_B
+  // Heading error (true - SAHRS) of a compass: slow errors of its levelled components over the
+  // horizontal field, forward and right.
+  Eigen::Vector2d compass_error = Eigen::Vector2d::Zero();
+  bool stated_sigma = true;  // SAHRS states its sigma in P_B
   std::function<Eigen::Vector2d(double)> wind = [](double) { return Eigen::Vector2d(6.0, 7.0); };
+  std::function<double(double)> gps_stamp_error = [](double) { return 0.0; };  // s
+  // A receiver that stays where it was, with its own noise (m).
+  std::function<bool(double)> gps_freeze = [](double) { return false; };
+  double gps_freeze_noise = 0.0;
   std::function<bool(double)> gps_on = [](double) { return true; };
   std::function<Eigen::Vector2d(double)> gps_jump = [](double) {
     return Eigen::Vector2d(0.0, 0.0);
@@ -105,8 +113,8 @@ class FlightSimulator {
     if (due(options_.air_data_rate)) out.air = air_data(time_us);
     out.sahrs = sahrs(time_us);
     if (due(1.0 / options_.gps_interval)) measure_position(time_us);
-    if (!fixes_.empty() && time_us >= fixes_.front().time_us + latency_us()) {
-      out.fix = fixes_.front();
+    if (!fixes_.empty() && time_us >= fixes_.front().measured_us + latency_us()) {
+      out.fix = fixes_.front().fix;
       fixes_.pop_front();
     }
     out.truth = truth_;
@@ -154,10 +162,15 @@ class FlightSimulator {
     const double bank = turning ? sign * kBank : 0.0;
     const double step = 0.5 * dt;  // rad, roll rate 0.5 rad/s
     math::Euler& attitude = truth_.attitude;
+    const math::Euler attitude_before = attitude;
     attitude.roll += std::clamp(bank - attitude.roll, -step, step);
     attitude.heading += 9.81 * std::tan(attitude.roll) / options_.speed * dt;
     const double pitch = kAlpha + (sign > 0.0 ? options_.climb : -options_.climb);
     attitude.pitch += std::clamp(pitch - attitude.pitch, -0.1 * dt, 0.1 * dt);
+
+    angle_rates_ << attitude.roll - attitude_before.roll, attitude.pitch - attitude_before.pitch,
+        attitude.heading - attitude_before.heading;
+    angle_rates_ /= dt;
 
     const Eigen::Vector3d before = earth::position_rates(truth_.lat, truth_.h, truth_.v_N);
     update_velocity();
@@ -188,8 +201,10 @@ class FlightSimulator {
   }
 
   samples::Attitude sahrs(std::int64_t time_us) const {
-    const math::Euler e{truth_.attitude.roll - roll_error_, truth_.attitude.pitch - pitch_error_,
-                        truth_.attitude.heading - heading_error_ - options_.heading_offset};
+    const double compass_error = deviation(truth_.attitude.heading).dot(options_.compass_error);
+    const math::Euler e{
+        truth_.attitude.roll - roll_error_, truth_.attitude.pitch - pitch_error_,
+        truth_.attitude.heading - heading_error_ - options_.heading_offset - compass_error};
     samples::Attitude out;
     out.time_us = time_us;
     const Eigen::Matrix3d C_NB = math::C_NB_from_euler(e);
@@ -198,12 +213,12 @@ class FlightSimulator {
     out.roll = angles.roll;
     out.pitch = angles.pitch;
     out.heading = angles.heading;
+    Eigen::Matrix3d rotation_by_angles;  // in B, roll, pitch, heading
+    const double sr = std::sin(e.roll), cr = std::cos(e.roll);
+    const double sp = std::sin(e.pitch), cp = std::cos(e.pitch);
+    rotation_by_angles << 1.0, 0.0, -sp, 0.0, cr, sr * cp, 0.0, -sr, cr * cp;
+    out.omega_B = rotation_by_angles * angle_rates_;
     if (options_.stated_sigma) {
-      // Of the small rotation in B that the three angle errors make.
-      Eigen::Matrix3d rotation_by_angles;  // roll, pitch, heading
-      const double sr = std::sin(e.roll), cr = std::cos(e.roll);
-      const double sp = std::sin(e.pitch), cp = std::cos(e.pitch);
-      rotation_by_angles << 1.0, 0.0, -sp, 0.0, cr, sr * cp, 0.0, -sr, cr * cp;
       const Eigen::Vector3d sigma(options_.roll_error.sigma, options_.pitch_error.sigma,
                                   options_.heading_error.sigma);
       out.P_B =
@@ -222,13 +237,25 @@ class FlightSimulator {
     const earth::Geodetic measured = earth::displaced(
         truth_.position(), {error.x(), error.y(), -(height_error_ + height_noise)});
     samples::GpsFix fix;
-    fix.time_us = time_us;
+    fix.time_us = time_us + std::llround(1e6 * options_.gps_stamp_error(time()));
     fix.lat = measured.lat;
     fix.lon = measured.lon;
     fix.h = measured.h;
+    if (options_.gps_freeze(time())) {
+      const double trembling = options_.gps_freeze_noise / 6.4e6;
+      fix.lat = frozen_.lat + trembling * normal();
+      fix.lon = frozen_.lon;
+    } else {
+      frozen_ = fix;
+    }
     fix.sigma_horizontal = fix.sigma_vertical = std::hypot(5.0, 1.0);
-    fixes_.push_back(fix);
+    fixes_.push_back({time_us, fix});
   }
+
+  struct FixUnderWay {
+    std::int64_t measured_us;
+    samples::GpsFix fix;
+  };
 
   static constexpr double kAlpha = 3.0 * math::kDegree;
   static constexpr double kBank = 45.0 * math::kDegree;
@@ -237,12 +264,14 @@ class FlightSimulator {
   std::mt19937_64 generator_;
   std::normal_distribution<double> normal_;
   Truth truth_;
+  Eigen::Vector3d angle_rates_ = Eigen::Vector3d::Zero();  // rad/s, roll, pitch, heading
   double heading_error_ = 0.0;
   double pitch_error_ = 0.0;
   double roll_error_ = 0.0;
   double height_error_ = 0.0;
+  samples::GpsFix frozen_;
   std::int64_t frame_ = 0;
-  std::deque<samples::GpsFix> fixes_;
+  std::deque<FixUnderWay> fixes_;
 };
 
 }  // namespace lodestar::fusion

@@ -21,8 +21,6 @@ constexpr double kFarthest = 20e3;      // m
 constexpr double kWindResponse = 1.0;   // s, from a change of wind to its innovation
 constexpr double kLargestScale = 20.0;  // of sigma, when fixes contradict the filter
 
-double seconds(std::int64_t microseconds) { return 1e-6 * static_cast<double>(microseconds); }
-
 }  // namespace
 
 Cascade::Cascade(const CascadeParameters& parameters)
@@ -86,6 +84,7 @@ void Cascade::propagate(const samples::Attitude& sahrs) {
 Use Cascade::update(const samples::GpsFix& fix) {
   const std::optional<TrackPoint> at = track_.at(fix.time_us);
   if (!at) return Use::kHeld;
+  if (fix_motion_.stands_still(fix, at->v_air_N.head<2>())) return Use::kGated;
   if (!started()) {
     start_at_fix(fix, *at);
     return Use::kUsed;
@@ -165,7 +164,7 @@ void Cascade::reset(const samples::GpsFix& fix, Step& step, int before, bool pas
 /// Fixes that agree among themselves contradict the filter: it is told to doubt itself as much as
 /// they say, in position by their distance, in wind and angles by the speed at which they leave.
 void Cascade::yield_to_fixes(ErrorEstimate& estimate, const TrackPoint& at) const {
-  const PositionMatrix J = velocity_by_states(at, estimate.x);
+  const PositionMatrix J = velocity_by_states(parameters_.attitude_error, at, estimate.x);
   const double known = std::sqrt(estimate.P.projected(J).trace());
   const double scale = reacquisition_.drift().norm() / known;
   estimate.loosen(innovation_.cwiseAbs(), std::clamp(scale, 1.0, kLargestScale));
@@ -196,85 +195,11 @@ bool Cascade::fresh(std::int64_t time_us) const {
   return ever_aided_ && seconds(time_us - aided_us_) <= parameters_.gps_timeout;
 }
 
-void Cascade::start_at_fix(const samples::GpsFix& fix, const TrackPoint& at) {
-  const TrackPoint& now = dead_reckoning_.point();
-  const Eigen::Vector3d flown_N = earth::displacement_N(at.position(), now.position());
-  const earth::Geodetic here = earth::displaced({fix.lat, fix.lon, at.h}, flown_N);
-  const double age = seconds(now.time_us - at.time_us);
-  // The fix's slow error is now the position's, with the opposite sign.
-  const double slow = parameters_.gps_error.sigma * parameters_.gps_error.sigma;
-  const double noise = fix_noise_.variance(fix.sigma_horizontal);
-  const double drift = parameters_.wind.sigma * age;
-  ErrorEstimate estimate = initial_estimate(slow + noise + drift * drift, -slow);
-  note_aided(fix, at);
-  start(here.lat, here.lon, estimate);
-}
-
-void Cascade::start_where_configured() {
-  if (!parameters_.initial_lat || !parameters_.initial_lon) return;
-  const double sigma = parameters_.initial_position_sigma;
-  start(*parameters_.initial_lat, *parameters_.initial_lon, initial_estimate(sigma * sigma, 0.0));
-}
-
-void Cascade::start(double lat, double lon, const ErrorEstimate& estimate) {
-  dead_reckoning_.set_position(lat, lon);
-  steps_.clear();
-  track_.clear();
-  track_.push(dead_reckoning_.point());
-  steps_.push({dead_reckoning_.point(), conditions(), estimate});
-  refresh_sigma();
-  refresh();
-}
-
-/// Remembers by how much SAHRS differs from the configured heading; the filter starts later.
-void Cascade::note_initial_heading() {
-  if (!parameters_.initial_heading || heading_reference_) return;
-  heading_reference_ =
-      HeadingReference{sahrs_.time_us, math::wrap_pi(*parameters_.initial_heading - sahrs_.heading),
-                       parameters_.initial_heading_sigma};
-}
-
-void Cascade::know_heading_error(double error, double sigma, std::int64_t time_us) {
-  heading_reference_ = HeadingReference{time_us, error, sigma};
-  heading_news_ = started();
-}
-
-/// The heading error that was known, as far as it still is.
-KnownAngle Cascade::heading_error_now() const {
-  const double level = std::sqrt(angle_variance(parameters_, sahrs_)(0));
-  const math::GaussMarkov model{level, parameters_.heading_error.tau};
-  const double dt = seconds(sahrs_.time_us - heading_reference_->time_us);
-  const double sigma = heading_reference_->sigma * model.decay(dt);
-  return {heading_reference_->error * model.decay(dt), sigma * sigma + model.added_variance(dt)};
-}
-
-ErrorEstimate Cascade::initial_estimate(double position_variance, double gps_covariance) const {
-  StateVector x = StateVector::Zero();
-  StateMatrix P = StateMatrix::Zero();
-  const double gps_variance = parameters_.gps_error.sigma * parameters_.gps_error.sigma;
-  const double wind_variance = parameters_.wind.sigma * parameters_.wind.sigma;
-  P.diagonal().segment<2>(kPositionError.offset).setConstant(position_variance);
-  P.diagonal().segment<2>(kGpsError.offset).setConstant(gps_variance);
-  P.diagonal().segment<2>(kWind.offset).setConstant(wind_variance);
-  const Eigen::Vector3d angles = angle_variance(parameters_, sahrs_);
-  P.diagonal().segment<3>(kHeadingError.offset) = angles;
-  for (int axis = 0; axis < 2; ++axis) {
-    const int position = kPositionError.offset + axis;
-    const int gps = kGpsError.offset + axis;
-    P(position, gps) = P(gps, position) = gps_covariance;
-  }
-  if (heading_reference_) {
-    const KnownAngle known = heading_error_now();
-    x(kHeadingError.offset) = known.error;
-    P(kHeadingError.offset, kHeadingError.offset) = known.variance;
-  }
-  return {x, ErrorCovariance(parameters_.covariance, P)};
-}
-
 StepConditions Cascade::conditions() const {
   const double silence = seconds(sahrs_.time_us - air_.time_us);
-  return {angle_variance(parameters_, sahrs_), gust_meter_.density(),
-          silence > parameters_.air_data_timeout, sahrs_restarted_, std::nullopt};
+  const double turn_rate = std::abs((sahrs_.q_NB * sahrs_.omega_B).z());
+  return {angle_variance(parameters_, sahrs_),    gust_meter_.density(), turn_rate,
+          silence > parameters_.air_data_timeout, sahrs_restarted_,      std::nullopt};
 }
 
 void Cascade::close_step() {
@@ -306,58 +231,6 @@ void Cascade::anchor() {
     steps_[i].point.lon += d_lon;
     steps_[i].estimate.x.segment<2>(kPositionError.offset) -= error;
   }
-}
-
-void Cascade::refresh_status() {
-  if (reacquisition_.stale(navigation_.time_us)) reacquisition_.cancel();
-  navigation_.mode = mode();
-  navigation_.gps_age = ever_aided_ ? seconds(navigation_.time_us - aided_us_) : -1.0;
-  navigation_.valid = started();
-}
-
-void Cascade::refresh() {
-  refresh_status();
-  if (!started()) return;
-
-  const TrackPoint& now = dead_reckoning_.point();
-  const StateVector& x = steps_.back().estimate.x;
-  math::Euler attitude = corrected_attitude(now, x);
-  const Eigen::Matrix3d C_NB = math::C_NB_from_euler(attitude);
-  if (std::abs(attitude.pitch) > 0.5 * math::kPi) attitude = math::euler_from_C_NB(C_NB);
-  navigation_.roll = math::wrap_pi(attitude.roll);
-  navigation_.pitch = attitude.pitch;
-  navigation_.heading = math::wrap_2pi(attitude.heading);
-
-  const Eigen::Vector2d wind = x.segment<2>(kWind.offset);
-  navigation_.wind_N << wind, 0.0;
-  navigation_.gps_error = x.segment<2>(kGpsError.offset);
-  navigation_.v_N.head<2>() = (C_NB * now.v_air_B).head<2>() + wind;
-  navigation_.v_N.z() = now.v_air_N.z() - vertical_.climb_correction();
-
-  const double since_step = seconds(now.time_us - steps_.back().point.time_us);
-  const Eigen::Vector2d error =
-      x.segment<2>(kPositionError.offset) + since_step * (navigation_.v_N - now.v_air_N).head<2>();
-  const earth::Geodetic here = earth::displaced(now.position(), {error.x(), error.y(), 0.0});
-  navigation_.lat = here.lat;
-  navigation_.lon = math::wrap_pi(here.lon);
-  navigation_.h = now.h + vertical_.bias();
-}
-
-/// Once per step: sigma hardly changes within one.
-void Cascade::refresh_sigma() {
-  const Step& last = steps_.back();
-  state_sigma(parameters_, last.point, last.estimate, last.conditions, gust_meter_.variance(),
-              navigation_);
-  const double alpha_velocity = air_.true_airspeed * parameters_.alpha_noise;
-  navigation_.sigma_velocity.z() = std::sqrt(
-      vertical_.climb_variance() + alpha_velocity * alpha_velocity + gust_meter_.variance());
-  navigation_.sigma_position.z() = vertical_.sigma_height();
-}
-
-FusionMode Cascade::mode() const {
-  if (!started()) return FusionMode::kWaiting;
-  if (fresh(navigation_.time_us)) return FusionMode::kAiding;
-  return reacquisition_.running() ? FusionMode::kReacquiring : FusionMode::kDeadReckoning;
 }
 
 }  // namespace lodestar::fusion

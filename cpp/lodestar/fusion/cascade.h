@@ -9,6 +9,7 @@
 #include "lodestar/fusion/cascade_parameters.h"
 #include "lodestar/fusion/dead_reckoning.h"
 #include "lodestar/fusion/error_filter.h"
+#include "lodestar/fusion/fix_motion.h"
 #include "lodestar/fusion/fix_noise.h"
 #include "lodestar/fusion/gust_meter.h"
 #include "lodestar/fusion/reacquisition.h"
@@ -38,8 +39,8 @@ class Cascade {
   void propagate(const samples::Attitude& sahrs);
 
   /// A fix of the last second up to the last frame, compared with dead reckoning at its own time.
-  /// kGated: beyond the gate. kHeld: under examination after an outage or a disagreement, or older
-  /// than what is remembered.
+  /// kGated: beyond the gate, or standing still in flight. kHeld: under examination after an outage
+  /// or a disagreement, or older than what is remembered.
   samples::Use update(const samples::GpsFix& fix);
 
   /// What another reference, now lost, said of the heading of SAHRS: at `time_us` it was wrong by
@@ -94,6 +95,7 @@ class Cascade {
   TrackHistory track_;
   StepHistory steps_;
   GustMeter gust_meter_;
+  FixMotion fix_motion_;
   FixNoise fix_noise_;
   WindWatch wind_watch_;
   Reacquisition reacquisition_;

@@ -14,24 +14,6 @@ double convergence(const TrackPoint& point) {
 
 }  // namespace
 
-math::Euler corrected_attitude(const TrackPoint& point, const StateVector& x) {
-  return {point.attitude.roll + x(kRollError.offset), point.attitude.pitch + x(kPitchError.offset),
-          point.attitude.heading + x(kHeadingError.offset)};
-}
-
-Eigen::Matrix3d velocity_by_angles(const math::Euler& attitude, const Eigen::Vector3d& v_air_N) {
-  const double ch = std::cos(attitude.heading), sh = std::sin(attitude.heading);
-  const double cp = std::cos(attitude.pitch), sp = std::sin(attitude.pitch);
-  const Eigen::Vector3d heading_axis(0.0, 0.0, 1.0);
-  const Eigen::Vector3d pitch_axis(-sh, ch, 0.0);
-  const Eigen::Vector3d roll_axis(ch * cp, sh * cp, -sp);
-  Eigen::Matrix3d J;
-  J.col(0) = heading_axis.cross(v_air_N);
-  J.col(1) = pitch_axis.cross(v_air_N);
-  J.col(2) = roll_axis.cross(v_air_N);
-  return J;
-}
-
 Eigen::Matrix3d velocity_by_air_data(const Eigen::Vector3d& v_air_B) {
   const double V = v_air_B.norm();
   const double uw = std::hypot(v_air_B.x(), v_air_B.z());  // V cos(beta)
@@ -46,37 +28,38 @@ Eigen::Matrix3d velocity_by_air_data(const Eigen::Vector3d& v_air_B) {
 
 ErrorDynamics error_dynamics(const CascadeParameters& parameters, const TrackPoint& point,
                              const StateVector& about) {
-  const math::Euler attitude = corrected_attitude(point, about);
-  const Eigen::Matrix3d C_NB = math::C_NB_from_euler(attitude);
-  const Eigen::Vector3d v_air_N = C_NB * point.v_air_B;
-
+  const AttitudeError form = parameters.attitude_error;
   ErrorDynamics model{StateMatrix::Zero(), NoiseMatrix::Zero()};
   StateMatrix& F = model.F;
-  F.block<2, 2>(kPositionError.offset, kWind.offset).setIdentity();
-  F.block<2, 3>(kPositionError.offset, kHeadingError.offset) =
-      velocity_by_angles(attitude, v_air_N).topRows<2>();
+  F.topRows<2>() = velocity_by_states(form, point, about);
   const double tan_over_r = convergence(point);
   const int east = kPositionError.offset + 1;
   F(east, kPositionError.offset) = point.v_air_N.y() * tan_over_r;
   F(east, east) = -point.v_air_N.x() * tan_over_r;
   F.diagonal().segment<2>(kGpsError.offset).setConstant(-1.0 / parameters.gps_error.tau);
   F.diagonal().segment<2>(kWind.offset).setConstant(-1.0 / parameters.wind.tau);
-  F(kHeadingError.offset, kHeadingError.offset) = -1.0 / parameters.heading_error.tau;
-  F(kPitchError.offset, kPitchError.offset) = -1.0 / parameters.pitch_error.tau;
-  F(kRollError.offset, kRollError.offset) = -1.0 / parameters.roll_error.tau;
+  const Eigen::Matrix3d axes = angle_axes(form, point.attitude.heading);
+  const Eigen::Vector3d decay(-1.0 / parameters.heading_error.tau,
+                              -1.0 / parameters.pitch_error.tau, -1.0 / parameters.roll_error.tau);
+  F.block<3, 3>(kHeadingError.offset, kHeadingError.offset) =
+      axes * decay.asDiagonal() * axes.transpose();
+  F.diagonal().segment<2>(kDeviation.offset).setConstant(-1.0 / parameters.heading_deviation.tau);
 
   NoiseMatrix& G = model.G;
+  const Eigen::Matrix3d C_NB = math::C_NB_from_euler(corrected_attitude(form, point, about));
   G.block<2, 3>(kPositionError.offset, kAirDataNoise.offset) =
       C_NB.topRows<2>() * velocity_by_air_data(point.v_air_B);
   G.block<2, 2>(kPositionError.offset, kTrackNoise.offset).setIdentity();
   G.block<2, 2>(kGpsError.offset, kGpsNoise.offset).setIdentity();
   G.block<2, 2>(kWind.offset, kWindNoise.offset).setIdentity();
-  G.block<3, 3>(kHeadingError.offset, kAngleNoise.offset).setIdentity();
+  G.block<3, 3>(kHeadingError.offset, kAngleNoise.offset) = axes;
+  G.block<2, 2>(kDeviation.offset, kDeviationNoise.offset).setIdentity();
   return model;
 }
 
-Eigen::Vector2d position_error_rate(const TrackPoint& point, const StateVector& x) {
-  const Eigen::Matrix3d C_NB = math::C_NB_from_euler(corrected_attitude(point, x));
+Eigen::Vector2d position_error_rate(AttitudeError form, const TrackPoint& point,
+                                    const StateVector& x) {
+  const Eigen::Matrix3d C_NB = math::C_NB_from_euler(corrected_attitude(form, point, x));
   const Eigen::Vector2d air_error = (C_NB * point.v_air_B - point.v_air_N).head<2>();
   const Eigen::Vector2d error = x.segment<2>(kPositionError.offset);
   const double east_convergence =
@@ -84,12 +67,13 @@ Eigen::Vector2d position_error_rate(const TrackPoint& point, const StateVector& 
   return x.segment<2>(kWind.offset) + air_error + Eigen::Vector2d(0.0, east_convergence);
 }
 
-PositionMatrix velocity_by_states(const TrackPoint& point, const StateVector& x) {
-  const math::Euler attitude = corrected_attitude(point, x);
+PositionMatrix velocity_by_states(AttitudeError form, const TrackPoint& point,
+                                  const StateVector& x) {
+  const math::Euler attitude = corrected_attitude(form, point, x);
   const Eigen::Vector3d v_air_N = math::C_NB_from_euler(attitude) * point.v_air_B;
-  PositionMatrix J = PositionMatrix::Zero();
+  PositionMatrix J =
+      velocity_by_angles(form, point, x, v_air_N).topRows<2>() * angles_by_states(point);
   J.block<2, 2>(0, kWind.offset).setIdentity();
-  J.block<2, 3>(0, kHeadingError.offset) = velocity_by_angles(attitude, v_air_N).topRows<2>();
   return J;
 }
 

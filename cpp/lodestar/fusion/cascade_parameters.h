@@ -15,17 +15,28 @@ inline constexpr const char* kCovarianceFormNames[] = {"joseph", "ud"};
 enum class Linearisation { kExtended, kLinearised };
 inline constexpr const char* kLinearisationNames[] = {"extended", "linearised"};
 
+/// What the three angle states are: errors of heading, pitch and roll, or the small rotation in N.
+enum class AttitudeError { kEuler, kSmallAngle };
+inline constexpr const char* kAttitudeErrorNames[] = {"euler", "small_angle"};
+
 /// [fusion.cascade]: dead reckoning on SAHRS and air data, corrected by GPS. Time constants and the
 /// levels of wind and GPS error are those of Linköping thesis §3.3.3.
 struct CascadeParameters {
   CovarianceForm covariance = CovarianceForm::kJoseph;
   Linearisation linearisation = Linearisation::kExtended;
+  AttitudeError attitude_error = AttitudeError::kEuler;
   double step = 0.1;  // s
 
   // Errors of SAHRS; the levels are floors under what SAHRS says of itself.
   math::GaussMarkov heading_error{0.5 * math::kDegree, 100.0};
   math::GaussMarkov pitch_error{0.4 * math::kDegree, 30.0};
   math::GaussMarkov roll_error{0.6 * math::kDegree, 10.0};
+
+  // Compass deviation: slow errors of the levelled magnetic components over the horizontal field.
+  math::GaussMarkov heading_deviation{0.0, 1000.0};  // rad, s
+  // What a standard-rate turn (3 deg/s) adds to the process noise, as a multiple of it.
+  double heading_turn_gain = 0.0;
+  double wind_turn_gain = 0.0;
 
   math::GaussMarkov wind{7.0, 4000.0};      // m/s, s
   math::GaussMarkov gps_error{5.0, 150.0};  // m, s
@@ -53,6 +64,8 @@ struct CascadeParameters {
   double gps_timeout = 5.0;               // s
   double reacquisition_time = 3.0;        // s
 
+  bool use_initial_heading = true;
+
   // What is known at the first frame: set by the navigator from [initial], not by a key here.
   std::optional<double> initial_heading;               // rad
   double initial_heading_sigma = 0.1 * math::kDegree;  // rad
@@ -66,8 +79,13 @@ struct CascadeParameters {
                             "How the covariance is carried; both give the same answers"});
     visit(self.linearisation, {"linearisation", kLinearisationNames, 2,
                                "About the corrected (extended) or the raw SAHRS values"});
+    visit(self.attitude_error, {"attitude_error", kAttitudeErrorNames, 2,
+                                "Angle states: Euler errors, or one small rotation in N"});
+    visit(self.use_initial_heading, {"use_initial_heading", "-", 0.0, 1.0,
+                                     "Start the heading error from [initial] heading_deg"});
     visit(self.step, {"step_s", "s", 0.05, 1.0, "Step of the error model"});
     describe_errors(self, visit);
+    describe_heading_model(self, visit);
     describe_air_data(self, visit);
     describe_height(self, visit);
     describe_acceptance(self, visit);
@@ -97,6 +115,20 @@ struct CascadeParameters {
           {"gps_error_tau_s", "s", 1.0, 1e5, "Time constant of the slow GPS error"});
     visit(self.gps_noise,
           {"gps_noise_m", "m", 0.01, 1e3, "White noise of a GPS position, per axis"});
+  }
+
+  template <class Self, class Visitor>
+  static void describe_heading_model(Self& self, Visitor&& visit) {
+    using math::kDegree;
+    visit(self.heading_deviation.sigma,
+          {"heading_deviation_sigma_deg", "deg", 0.0, 45.0,
+           "Heading error as a compass has it, sine and cosine of heading; 0: none", kDegree});
+    visit(self.heading_deviation.tau,
+          {"heading_deviation_tau_s", "s", 1.0, 1e6, "Its time constant"});
+    visit(self.heading_turn_gain, {"heading_turn_gain", "-", 0.0, 1e4,
+                                   "Process noise of the heading error that a turn of 3 deg/s "
+                                   "adds, as a multiple of that of straight flight"});
+    visit(self.wind_turn_gain, {"wind_turn_gain", "-", 0.0, 1e4, "The same of the wind"});
   }
 
   template <class Self, class Visitor>

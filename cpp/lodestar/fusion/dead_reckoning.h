@@ -13,6 +13,10 @@
 
 namespace lodestar::fusion {
 
+inline double seconds(std::int64_t microseconds) {
+  return 1e-6 * static_cast<double>(microseconds);
+}
+
 /// Velocity relative to the air (m/s, in B).
 inline Eigen::Vector3d air_velocity_B(const samples::AirData& air) {
   const double cos_beta = std::cos(air.beta);
@@ -52,7 +56,7 @@ class DeadReckoning {
 
   /// Moves on to the time of `sahrs`; the first call only takes its time.
   const TrackPoint& advance(const samples::Attitude& sahrs) {
-    const double dt = started_ ? 1e-6 * static_cast<double>(sahrs.time_us - point_.time_us) : 0.0;
+    const double dt = started_ ? seconds(sahrs.time_us - point_.time_us) : 0.0;
     const Eigen::Vector2d before = point_.rates;
     point_.time_us = sahrs.time_us;
     point_.attitude = {sahrs.roll, sahrs.pitch, sahrs.heading};

@@ -10,7 +10,8 @@ namespace lodestar::fusion {
 namespace {
 
 // What the aircraft may have done unseen in a gap of the frames.
-constexpr double kUnseenAcceleration = 5.0;  // m/s^2
+constexpr double kUnseenAcceleration = 5.0;            // m/s^2
+constexpr double kStandardTurn = 3.0 * math::kDegree;  // rad/s
 
 NoiseVector noise_densities(const CascadeParameters& p, const StepConditions& conditions,
                             double dt) {
@@ -22,9 +23,13 @@ NoiseVector noise_densities(const CascadeParameters& p, const StepConditions& co
   q.segment<2>(kTrackNoise.offset).setConstant(unseen * unseen / dt + conditions.gust_density);
   q.segment<2>(kGpsNoise.offset).setConstant(p.gps_error.spectral_density());
   const double lost = conditions.air_data_lost ? p.air_data_lost_noise : 0.0;
-  q.segment<2>(kWindNoise.offset).setConstant(p.wind.spectral_density() + lost * lost);
+  const double turn = conditions.turn_rate / kStandardTurn;
+  const double wind = p.wind.spectral_density() * (1.0 + p.wind_turn_gain * turn);
+  q.segment<2>(kWindNoise.offset).setConstant(wind + lost * lost);
   const Eigen::Vector3d tau(p.heading_error.tau, p.pitch_error.tau, p.roll_error.tau);
   q.segment<3>(kAngleNoise.offset) = 2.0 * conditions.angle_variance.cwiseQuotient(tau);
+  q(kAngleNoise.offset) *= 1.0 + p.heading_turn_gain * turn;
+  q.segment<2>(kDeviationNoise.offset).setConstant(p.heading_deviation.spectral_density());
   return q;
 }
 
@@ -82,7 +87,7 @@ StateVector ErrorCovariance::update(const PositionMatrix& H, double r,
 
 void ErrorEstimate::propagate(const CascadeParameters& parameters, const StepConditions& conditions,
                               const TrackPoint& from, const TrackPoint& to) {
-  const double dt = 1e-6 * static_cast<double>(to.time_us - from.time_us);
+  const double dt = seconds(to.time_us - from.time_us);
   if (dt <= 0.0) return;
   const bool extended = parameters.linearisation == Linearisation::kExtended;
   const StateVector about = extended ? x : StateVector::Zero();
@@ -94,33 +99,42 @@ void ErrorEstimate::propagate(const CascadeParameters& parameters, const StepCon
   const StateVector before = x;
   x = math::transition<kStates>(F, dt) * before;
   if (extended) {
+    const AttitudeError form = parameters.attitude_error;
     const Eigen::Vector2d rate =
-        0.5 * (position_error_rate(from, before) + position_error_rate(to, x));
+        0.5 * (position_error_rate(form, from, before) + position_error_rate(form, to, x));
     x.segment<2>(kPositionError.offset) = before.segment<2>(kPositionError.offset) + dt * rate;
   }
   P.propagate(F, G, noise_densities(parameters, conditions, dt), dt);
-  if (conditions.sahrs_restarted) restart_angles(conditions.angle_variance);
-  if (conditions.heading_error) take_heading_error(*conditions.heading_error);
+  if (conditions.sahrs_restarted) {
+    const double deviation = parameters.heading_deviation.sigma;
+    restart_angles(
+        angle_covariance(parameters.attitude_error, to.attitude.heading, conditions.angle_variance),
+        deviation * deviation);
+  }
+  if (conditions.heading_error) {
+    take_heading_error(*conditions.heading_error, parameters.attitude_error, to);
+  }
 }
 
-void ErrorEstimate::take_heading_error(const KnownAngle& known) {
-  constexpr int kHeading = kHeadingError.offset;
-  Eigen::Matrix<double, 1, kStates> H = Eigen::Matrix<double, 1, kStates>::Zero();
-  H(kHeading) = 1.0;
+void ErrorEstimate::take_heading_error(const KnownAngle& known, AttitudeError form,
+                                       const TrackPoint& point) {
+  const Eigen::Matrix<double, 1, kStates> H = euler_by_states(form, point, x).row(0);
   StateMatrix covariance = P.matrix();
   const filter::JosephUpdate<kStates, 1> joseph(covariance, H,
                                                 Eigen::Matrix<double, 1, 1>(known.variance));
-  const Eigen::Matrix<double, 1, 1> innovation(math::wrap_pi(known.error - x(kHeading)));
+  const Eigen::Matrix<double, 1, 1> innovation(
+      math::wrap_pi(known.error - heading_error(form, point, x)));
   x += joseph.apply(covariance, innovation);
   P.assign(covariance);
 }
 
-void ErrorEstimate::restart_angles(const Eigen::Vector3d& variance) {
-  x.segment<3>(kHeadingError.offset).setZero();
+void ErrorEstimate::restart_angles(const Eigen::Matrix3d& angles, double deviation_variance) {
+  x.segment<kAngles.size>(kAngles.offset).setZero();
   StateMatrix covariance = P.matrix();
-  covariance.middleRows<3>(kHeadingError.offset).setZero();
-  covariance.middleCols<3>(kHeadingError.offset).setZero();
-  covariance.diagonal().segment<3>(kHeadingError.offset) = variance;
+  covariance.middleRows<kAngles.size>(kAngles.offset).setZero();
+  covariance.middleCols<kAngles.size>(kAngles.offset).setZero();
+  covariance.block<3, 3>(kHeadingError.offset, kHeadingError.offset) = angles;
+  covariance.diagonal().segment<2>(kDeviation.offset).setConstant(deviation_variance);
   P.assign(covariance);
 }
 
@@ -133,7 +147,7 @@ void ErrorEstimate::doubt_wind(double sigma) {
 void ErrorEstimate::loosen(const Eigen::Vector2d& position_sigma, double scale) {
   StateVector factor = StateVector::Ones();
   factor.segment<2>(kWind.offset).setConstant(scale);
-  factor.segment<3>(kHeadingError.offset).setConstant(scale);
+  factor.segment<kAngles.size>(kAngles.offset).setConstant(scale);
   StateMatrix covariance = factor.asDiagonal() * P.matrix() * factor.asDiagonal();
   covariance.diagonal().segment<2>(kPositionError.offset) += position_sigma.cwiseAbs2();
   P.assign(covariance);

@@ -38,8 +38,9 @@ struct KnownAngle {
 
 /// What the model of one step takes from outside.
 struct StepConditions {
-  Eigen::Vector3d angle_variance = Eigen::Vector3d::Zero();  // rad^2, heading, pitch, roll
+  Eigen::Vector3d angle_variance = Eigen::Vector3d::Zero();  // rad^2, along angle_axes()
   double gust_density = 0.0;                                 // (m/s)^2 s, per axis
+  double turn_rate = 0.0;                                    // rad/s, about the vertical, >= 0
   bool air_data_lost = false;
   bool sahrs_restarted = false;             // its errors are new ones at the end of the step
   std::optional<KnownAngle> heading_error;  // known from elsewhere at the end of the step
@@ -65,8 +66,8 @@ struct ErrorEstimate {
   void loosen(const Eigen::Vector2d& position_sigma, double scale);
 
  private:
-  void restart_angles(const Eigen::Vector3d& variance);
-  void take_heading_error(const KnownAngle& known);
+  void restart_angles(const Eigen::Matrix3d& angles, double deviation_variance);
+  void take_heading_error(const KnownAngle& known, AttitudeError form, const TrackPoint& point);
 };
 
 }  // namespace lodestar::fusion

@@ -10,17 +10,6 @@ namespace {
 // An angle known no better than this is not known; the error model is linear.
 constexpr double kLargestAngleVariance = 1.0;  // rad^2
 
-// d(heading, pitch, roll) / d(small rotation in B); near the vertical as at 84 degrees of pitch.
-Eigen::Matrix3d angles_by_rotation_B(const math::Euler& attitude) {
-  const double sr = std::sin(attitude.roll), cr = std::cos(attitude.roll);
-  const double sp = std::sin(attitude.pitch), cp = std::max(0.1, std::cos(attitude.pitch));
-  Eigen::Matrix3d E;
-  E << 0.0, sr / cp, cr / cp,  //
-      0.0, cr, -sr,            //
-      1.0, sr * sp / cp, cr * sp / cp;
-  return E;
-}
-
 /// Variance north, east (m^2/s^2) that one sample of air data puts into the published velocity.
 Eigen::Vector2d sample_variance(const CascadeParameters& parameters, const TrackPoint& point) {
   const Eigen::Vector3d sigma(parameters.alpha_noise, parameters.beta_noise,
@@ -33,14 +22,15 @@ Eigen::Vector2d sample_variance(const CascadeParameters& parameters, const Track
 }  // namespace
 
 Eigen::Vector3d angle_sigma(const math::Euler& attitude, const Eigen::Matrix3d& P_B) {
-  const Eigen::Matrix3d E = angles_by_rotation_B(attitude);
+  const Eigen::Matrix3d E = angles_by_rotation_B(AttitudeError::kEuler, attitude);
   const Eigen::Vector3d variance = (E * P_B * E.transpose()).diagonal();
   return Eigen::Vector3d(variance.z(), variance.y(), variance.x()).cwiseSqrt();
 }
 
 Eigen::Vector3d angle_variance(const CascadeParameters& parameters,
                                const samples::Attitude& sahrs) {
-  const Eigen::Matrix3d E = angles_by_rotation_B({sahrs.roll, sahrs.pitch, sahrs.heading});
+  const Eigen::Matrix3d E =
+      angles_by_rotation_B(parameters.attitude_error, {sahrs.roll, sahrs.pitch, sahrs.heading});
   const Eigen::Vector3d stated = (E * sahrs.P_B * E.transpose()).diagonal();
   const Eigen::Vector3d floor(parameters.heading_error.sigma, parameters.pitch_error.sigma,
                               parameters.roll_error.sigma);
@@ -55,7 +45,7 @@ void state_sigma(const CascadeParameters& parameters, const TrackPoint& point,
   navigation.sigma_position.head<2>() = position.cwiseSqrt();
 
   // Gusts go through into the published velocity, and are wind that is not in the estimate.
-  const PositionMatrix J = velocity_by_states(point, estimate.x);
+  const PositionMatrix J = velocity_by_states(parameters.attitude_error, point, estimate.x);
   const Eigen::Vector2d velocity =
       (J * P * J.transpose()).diagonal() + sample_variance(parameters, point);
   navigation.sigma_velocity.head<2>() = (velocity.array() + gust_variance).sqrt();
@@ -68,12 +58,14 @@ void state_sigma(const CascadeParameters& parameters, const TrackPoint& point,
 
   // As far as heading is corrected, it is by the direction of the air velocity, sideslip error
   // included.
-  const double heading = P(kHeadingError.offset, kHeadingError.offset);
-  const double corrected = std::max(0.0, 1.0 - heading / conditions.angle_variance(0));
+  const AngleMatrix E = euler_by_states(parameters.attitude_error, point, estimate.x);
+  const Eigen::Vector3d angles = (E * P * E.transpose()).diagonal();
+  const double deviation = parameters.heading_deviation.sigma;
+  const double uncorrected = conditions.angle_variance(0) + deviation * deviation;
+  const double corrected = std::max(0.0, 1.0 - angles(0) / uncorrected);
   const double beta_error = corrected * parameters.beta_bias;
-  navigation.sigma_attitude << std::sqrt(P(kRollError.offset, kRollError.offset)),
-      std::sqrt(P(kPitchError.offset, kPitchError.offset)),
-      std::sqrt(heading + beta_error * beta_error);
+  navigation.sigma_attitude << std::sqrt(angles(2)), std::sqrt(angles(1)),
+      std::sqrt(angles(0) + beta_error * beta_error);
 }
 
 }  // namespace lodestar::fusion

@@ -8,7 +8,7 @@
 
 namespace lodestar::fusion {
 
-/// Stationary variances of the errors of heading, pitch and roll (rad^2): what SAHRS says of
+/// Stationary variances of the three angle states along their axes (rad^2): what SAHRS says of
 /// itself, and no less than configured.
 Eigen::Vector3d angle_variance(const CascadeParameters& parameters, const samples::Attitude& sahrs);
 
@@ -16,7 +16,7 @@ Eigen::Vector3d angle_variance(const CascadeParameters& parameters, const sample
 Eigen::Vector3d angle_sigma(const math::Euler& attitude, const Eigen::Matrix3d& P_B);
 
 /// Fills the horizontal standard deviations of position, velocity and wind, and those of the
-/// attitude: the filter's, and of what its nine states leave out: sample noise, gusts of
+/// attitude: the filter's, and of what its states leave out: sample noise, gusts of
 /// `gust_variance` ((m/s)^2), constant errors of airspeed and sideslip.
 void state_sigma(const CascadeParameters& parameters, const TrackPoint& point,
                  const ErrorEstimate& estimate, const StepConditions& conditions,
