@@ -48,8 +48,8 @@ def findings(study: str, ensembles: Sequence[Ensemble]) -> Findings:
             f"The fault begins at {START_S:g} s; errors after it count from {RECOVERY_S:g} s after "
             "its end. Errors and times are the largest of all flights, shares their mean.",
             "Good again: from the end until a good fix is used, at most "
-            f"{BELIEVED_WITHIN_S:g} s. Verdict detected: told, and {100 * _KEPT_OUT:g} % or more of "
-            "the fixes kept out, in every flight.",
+            f"{BELIEVED_WITHIN_S:g} s. Verdict detected: told in every flight, and at least "
+            f"{100 * _KEPT_OUT:g} % of the fixes kept out.",
             *(f"{name}: {case.what}" for name, case in CASES.items()),
         ],
     )
