@@ -87,6 +87,17 @@ def test_where_sahrs_or_the_reference_is_not_valid_or_silent_there_is_no_error()
     assert missing.tolist() == [*range(10, 16), *range(30, 35), *range(40, 45)]
 
 
+def test_answers_that_come_a_little_early_or_late_are_all_used():
+    errors = wandering(3000, 8)
+    recording = flight(errors)
+    jitter = np.random.default_rng(8).integers(-20, 21, 3000)
+    jitter[0] = 0
+    for channel in ("SAHRS", "INS"):
+        recording[channel]["time_us"] += jitter
+    series = error_series(recording, "it", interval_s=1.0)
+    np.testing.assert_allclose(series.errors["roll"], errors["roll"][::RATE_HZ], atol=1e-12)
+
+
 def test_a_flight_gives_a_model_of_each_angle_and_another_tests_it(tmp_path):
     one = error_series(flight(wandering(6000, 3)), "one.npz", interval_s=0.5)
     other = error_series(flight(wandering(4000, 4)), "other.npz", interval_s=0.5)

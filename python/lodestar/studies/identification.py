@@ -81,12 +81,21 @@ def error_series(
             f"{interval_s:g} s is shorter"
         )
     grid = np.arange(time_us[0], time_us[-1] + 1, round(interval_s * 1e6))
-    row = np.searchsorted(time_us, grid).clip(0, len(time_us) - 1)
-    missing = np.abs(time_us[row] - grid) > usual_us
+    row = _nearest(time_us, grid)
+    # Evenly spaced answers are at most half their interval away; what jitters is a little more.
+    missing = np.abs(time_us[row] - grid) > 0.75 * usual_us
     errors = {}
     for name, column in zip(estimates.attitude.names, estimates.attitude.error.T, strict=True):
         errors[name] = np.where(missing, np.nan, -column[row])
     return ErrorSeries(flight, interval_s, grid, {angle: errors[angle] for angle in ANGLES})
+
+
+def _nearest(time_us: NDArray[np.int64], wanted_us: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Row of the nearest of the times."""
+    after = np.searchsorted(time_us, wanted_us).clip(0, len(time_us) - 1)
+    before = np.maximum(after - 1, 0)
+    is_before = wanted_us - time_us[before] < time_us[after] - wanted_us
+    return np.asarray(np.where(is_before, before, after))
 
 
 def _check_reference(recording: Recording, flight: str, channel: str) -> None:
