@@ -297,7 +297,7 @@ def test_bad_input_is_one_line_and_ends_with_2(lodestar, arguments, said):
     assert out == ""
 
 
-@pytest.mark.parametrize("study", ["sahrs", "sahrs-faults"])
+@pytest.mark.parametrize("study", ["sahrs", "sahrs-faults", "fusion-faults"])
 def test_without_the_package_of_jsbsim_one_line_says_what_to_install(lodestar, monkeypatch, study):
     monkeypatch.setitem(sys.modules, "jsbsim", None)
     status, _, err = lodestar("monte-carlo", study, "--engine", "jsbsim")
@@ -307,7 +307,7 @@ def test_without_the_package_of_jsbsim_one_line_says_what_to_install(lodestar, m
     assert err.count("\n") == 1
 
 
-@pytest.mark.parametrize("study", ["sahrs", "sahrs-faults"])
+@pytest.mark.parametrize("study", ["sahrs", "sahrs-faults", "fusion-faults"])
 def test_each_study_has_help_with_an_example(lodestar, study):
     status, out, _ = lodestar("monte-carlo", study, "--help")
     assert status == 0

@@ -13,6 +13,7 @@ from lodestar.cli import (
     convert,
     doctor,
     fly,
+    identify,
     import_,
     monte_carlo,
     replay,
@@ -37,6 +38,7 @@ app.command("score", epilog=score.EXAMPLE)(score.command)
 app.command("convert", epilog=convert.EXAMPLE)(convert.command)
 app.command("import", epilog=import_.EXAMPLE)(import_.command)
 app.command("calibrate", epilog=calibrate.EXAMPLE)(calibrate.command)
+app.command("identify", epilog=identify.EXAMPLE)(identify.command)
 app.add_typer(monte_carlo.app, name="monte-carlo")
 app.command("spy", epilog=spy.EXAMPLE)(spy.command)
 app.command("watch", epilog=watch.EXAMPLE)(watch.command)

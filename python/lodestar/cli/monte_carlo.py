@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 
 SAHRS_EXAMPLE = "Example: lodestar monte-carlo sahrs --runs 20 --scenario hard --engine jsbsim"
 FAULTS_EXAMPLE = "Example: lodestar monte-carlo sahrs-faults --runs 20 --form velocity"
+FUSION_FAULTS_EXAMPLE = "Example: lodestar monte-carlo fusion-faults --runs 6 --seed-first 301"
 INS_MONITOR_EXAMPLE = "Example: lodestar monte-carlo ins-monitor --runs 27 --form velocity"
 
 app = typer.Typer(
@@ -117,6 +118,36 @@ def sahrs_faults(
 
     _conduct(
         sahrs_faults_study(engine or (), form or ()),
+        findings,
+        plots,
+        range(seed_first, seed_first + runs),
+        workers,
+        out,
+        redraw=redraw,
+        as_json=as_json,
+    )
+
+
+@app.command("fusion-faults", epilog=FUSION_FAULTS_EXAMPLE)
+def fusion_faults(
+    runs: RunsOption = 20,
+    engine: EngineOption = None,
+    filter_: Annotated[
+        list[str] | None,
+        typer.Option("--filter", metavar="NAME", help="Of the fusion; all by default."),
+    ] = None,
+    seed_first: FirstSeedOption = 1,
+    workers: WorkersOption = None,
+    out: FolderOption = None,
+    redraw: RedrawOption = False,
+    as_json: JsonOption = False,
+) -> None:
+    """Fusion with bad fixes: spoofed by jumps and drag-offs, wrong time, frozen, scattered, NaN."""
+    from lodestar.studies.fusion_faults import fusion_faults_study
+    from lodestar.studies.fusion_faults_findings import findings, plots
+
+    _conduct(
+        fusion_faults_study(engine or (), filter_ or ()),
         findings,
         plots,
         range(seed_first, seed_first + runs),

@@ -95,7 +95,7 @@ def compare(recording: Recording) -> Comparison:
     return Comparison(
         reference=name,
         sahrs=compare_sahrs(recording, name) if _has(recording, "SAHRS") else None,
-        nav=_nav(recording, name) if _has(recording, "NAV") else None,
+        nav=compare_nav(recording, name) if _has(recording, "NAV") else None,
         dead_reckoning=_dead_reckoning(recording, name),
         gps_losses=losses,
     )
@@ -191,7 +191,8 @@ def compare_sahrs(recording: Recording, name: str = "TRUTH") -> Estimates:
     )
 
 
-def _nav(recording: Recording, name: str) -> Estimates:
+def compare_nav(recording: Recording, name: str = "TRUTH") -> Estimates:
+    """Errors of NAV against the reference channel, at the times of NAV."""
     nav = recording["NAV"]
     valid = nav["valid"]
     reference = reference_at(recording, name, nav["time_us"])

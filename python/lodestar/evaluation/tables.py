@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import Literal
 
 from rich import box
@@ -12,6 +13,8 @@ from rich.table import Table as RichTable
 
 from lodestar.evaluation import summary
 from lodestar.evaluation.score import Score
+
+_WIDEST = 160  # characters; some tables are wider than most terminals say they are
 
 
 def print_table(score: Score, console: Console | None = None) -> None:
@@ -26,6 +29,16 @@ def print_table(score: Score, console: Console | None = None) -> None:
         out.print(escape(note), style="dim", highlight=False)
     style = "bold green" if score.passed else "bold red"
     out.print(escape(summary.verdict(score)), style=style, highlight=False)
+
+
+def print_tables(tables: Iterable[summary.Table]) -> None:
+    """Print tables that may be wider than the terminal, each under its title."""
+    # Cut off by a narrow terminal's edge a table is of no use; wrapped by it, it still can be read.
+    out = Console(width=max(Console().width, _WIDEST))
+    for table in tables:
+        out.print(f"[bold]{escape(table.title)}[/bold]")
+        out.print(rich_table(table))
+        out.print()
 
 
 def rich_table(table: summary.Table) -> RichTable:

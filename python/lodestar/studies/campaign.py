@@ -33,6 +33,7 @@ _MAKES_FLIGHTS = (
     "evaluation/comparison.py",
     "evaluation/metrics.py",
     "studies/campaign.py",
+    "studies/fault_window.py",
 )
 
 

@@ -18,12 +18,11 @@ from lodestar.errors import InputError
 from lodestar.evaluation import drawing, page
 from lodestar.evaluation.score import Row
 from lodestar.evaluation.summary import Table
-from lodestar.evaluation.tables import rich_table
+from lodestar.evaluation.tables import print_tables
 
 REPORT = "report.html"
 OBJECT = "study.json"
 PLOTS = "plots"
-_WIDEST = 160  # characters; a table of a study is wider than most terminals say they are
 _MOST_TOLD = 12
 _DPI = 110  # a campaign has dozens of plots
 
@@ -103,13 +102,8 @@ def row(
 
 def print_findings(findings: Findings) -> None:
     """Print the tables, the notes and the verdict."""
+    print_tables(findings.tables)
     console = Console()
-    # Cut off by a narrow terminal's edge a table is of no use; wrapped by it, it still can be read.
-    out = Console(width=max(console.width, _WIDEST))
-    for table in findings.tables:
-        out.print(f"[bold]{escape(table.title)}[/bold]")
-        out.print(rich_table(table))
-        out.print()
     for note in findings.notes:
         console.print(escape(note), style="dim", highlight=False)
     style = "bold red" if findings.failures else "bold green"

@@ -14,8 +14,6 @@ from math import radians
 
 import numpy as np
 
-from lodestar.channels import INPUTS
-from lodestar.evaluation.health_plots import REASONS
 from lodestar.evaluation.metrics import maximum
 from lodestar.harness.faults import Fault, inject
 from lodestar.harness.scenario import (
@@ -29,13 +27,13 @@ from lodestar.harness.scenario import (
 from lodestar.navigator import run
 from lodestar.recordings.recording import Recording
 from lodestar.studies.campaign import Cell, Result
-from lodestar.studies.sahrs import FORMS, Errors, Rows, attitude_figures, chosen, describe, series
+from lodestar.studies.fault_window import Rows, Window, refused_messages
+from lodestar.studies.sahrs import FORMS, Errors, attitude_figures, chosen, describe, series
 
 DURATION_S = 1200.0
 START_S = 575.0
 LENGTH_S = 120.0
-RECOVERY_S = 30.0
-"""After the end of the fault, from when on the errors count as those after it."""
+WINDOW = Window(START_S, START_S + LENGTH_S)
 
 
 def _fault(
@@ -151,16 +149,18 @@ def sahrs_faults_study(engines: Sequence[str], forms: Sequence[str]) -> SahrsFau
 
 
 def _figures(errors: Errors, answered: Recording) -> Iterator[tuple[str, float]]:
-    seconds = errors.time_us * 1e-6
-    end = START_S + LENGTH_S
-    during = (seconds >= START_S) & (seconds < end)
-    for name, rows in (("during", during), ("after", seconds >= end + RECOVERY_S)):
+    windows = WINDOW.rows(errors.time_us)
+    for name, rows in windows.items():
         yield from attitude_figures(f"{name}_", errors, rows, rows)
+    during = windows["during"]
     yield "during_rotation_max_deg", maximum(np.linalg.norm(errors.rotation[during], axis=1))
     yield "during_valid_share", float(np.mean(answered["SAHRS"]["valid"][during]))
     yield "resets", float(answered["SAHRS"]["reset_count"][-1])
     yield from _refused(answered, during)
-    yield from _reasons(answered)
+    yield from refused_messages(answered, WINDOW, CHANNELS)
+    checks = WINDOW.grown(answered, "assumption_rejects")
+    for check, count in zip(CHECKS, checks, strict=True):
+        yield f"check {check}", float(count)
 
 
 def _refused(answered: Recording, during: Rows) -> Iterator[tuple[str, float]]:
@@ -168,17 +168,3 @@ def _refused(answered: Recording, during: Rows) -> Iterator[tuple[str, float]]:
     bits = answered["SAHRS"]["rejected"][during]
     for number in range(_MOST_MEASUREMENTS):
         yield f"refused_{number}", float(np.sum(bits >> number & 1))
-
-
-def _reasons(answered: Recording) -> Iterator[tuple[str, float]]:
-    """What HEALTH counted during the fault: messages by channel and reason, and checks."""
-    health = answered["HEALTH"]
-    seconds = health["time_us"] * 1e-6
-    first, last = np.searchsorted(seconds, [START_S, START_S + LENGTH_S])
-    rejected = health["rejected"][last] - health["rejected"][first]
-    for channel in CHANNELS:
-        for reason, count in zip(REASONS, rejected[INPUTS.index(channel)], strict=True):
-            yield f"{channel} {reason}", float(count)
-    checks = health["assumption_rejects"][last] - health["assumption_rejects"][first]
-    for check, count in zip(CHECKS, checks, strict=True):
-        yield f"check {check}", float(count)

@@ -10,27 +10,25 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from lodestar.evaluation import drawing, requirements
-from lodestar.evaluation.health_plots import REASONS
 from lodestar.evaluation.score import Row
-from lodestar.evaluation.summary import NONE, Table
+from lodestar.evaluation.summary import Table
+from lodestar.studies import fault_findings
 from lodestar.studies.ensemble import Ensemble, mean_interval
+from lodestar.studies.fault_window import RECOVERY_S, reasons
 from lodestar.studies.findings import Findings, Plot, row
 from lodestar.studies.sahrs import AXES, FORM_OF
 from lodestar.studies.sahrs_faults import (
     CHANNELS,
     CHECKS,
-    LENGTH_S,
     MEASUREMENTS,
-    RECOVERY_S,
-    START_S,
     WHAT,
+    WINDOW,
 )
 from lodestar.studies.sahrs_findings import MAXIMA, RMSE, errors_within
 
-_REASONS = (
-    *(f"{channel} {reason}" for channel in CHANNELS for reason in REASONS),
-    *(f"check {check}" for check in CHECKS),
-)
+_REASONS = [
+    (reason, reason) for reason in (*reasons(CHANNELS), *(f"check {check}" for check in CHECKS))
+]
 
 
 def findings(study: str, ensembles: Sequence[Ensemble]) -> Findings:
@@ -42,7 +40,7 @@ def findings(study: str, ensembles: Sequence[Ensemble]) -> Findings:
         rows=[one for ensemble in ensembles for one in rows(ensemble)],
         tables=[_errors(ensembles), _rejections(ensembles)],
         notes=[
-            f"The fault lasts from {START_S:g} to {START_S + LENGTH_S:g} s; errors after it count "
+            f"The fault lasts from {WINDOW.start_s:g} to {WINDOW.end_s:g} s; errors after it count "
             f"from {RECOVERY_S:g} s later. rms: mean over the flights; worst: the largest of all.",
             *(f"{fault}: {what}" for fault, what in WHAT.items()),
         ],
@@ -71,11 +69,7 @@ def rows(ensemble: Ensemble) -> Iterator[Row]:
                 interval=(low, high) if is_mean else None,
                 limit=limits.get(metric),
             )
-    for name, figure in (*_measurements(ensemble), *((reason, reason) for reason in _REASONS)):
-        count = float(np.mean(ensemble.figure(figure)))
-        if count:
-            metric = "rejected_" + name.replace(" ", "_")
-            yield row(f"{cell.case}/during", cell.estimator, metric, count)
+    yield from fault_findings.rejected_rows(ensemble, (*_measurements(ensemble), *_REASONS))
 
 
 def _measurements(ensemble: Ensemble) -> list[tuple[str, str]]:
@@ -115,18 +109,11 @@ def _rejections(ensembles: Sequence[Ensemble]) -> Table:
     body: list[tuple[str, ...]] = []
     for ensemble in ensembles:
         resets = f"{np.mean(ensemble.figure('resets')):.1f}"
-        reasons = [(reason, reason) for reason in _REASONS]
-        counted = [_counted(ensemble, named) for named in (_measurements(ensemble), reasons)]
-        refused = "; ".join(filter(None, counted)) or NONE
+        refused = fault_findings.told(ensemble, _measurements(ensemble), _REASONS)
         body.append((*_names(ensemble), resets, refused))
     header = ("case", "form", "resets", "measurements refused; why, by channel and check")
     title = "Refused during the fault, mean of the flights"
     return Table(title, header, body, wide=True)
-
-
-def _counted(ensemble: Ensemble, named: Sequence[tuple[str, str]]) -> str:
-    counts = [(name, float(np.mean(ensemble.figure(figure)))) for name, figure in named]
-    return ", ".join(f"{name} {count:.4g}" for name, count in counts if count)
 
 
 def _names(ensemble: Ensemble) -> tuple[str, str]:
@@ -153,12 +140,8 @@ def plots(ensembles: Sequence[Ensemble]) -> list[Plot]:
 def _errors_in_time(ensembles: Sequence[Ensemble]) -> Figure:
     figure, axes = drawing.panels([f"{axis} axis, °" for axis in ("roll", "pitch", "yaw")])
     for one, axis in zip(axes, AXES, strict=True):
-        one.axvspan(START_S, START_S + LENGTH_S, color=drawing.LOSS, alpha=0.15, lw=0)
-        for ensemble, colour in zip(ensembles, drawing.PALETTE, strict=False):
-            error = ensemble.series(f"error_{axis}_deg")
-            label = ensemble.cell.case.split("/")[-1]
-            rms = np.sqrt(np.mean(error**2, axis=0))
-            one.plot(ensemble.series("time_s")[0], rms, color=colour, label=label)
-        one.set_xlim(START_S - 100, START_S + LENGTH_S + 200)
+        one.axvspan(WINDOW.start_s, WINDOW.end_s, color=drawing.LOSS, alpha=0.15, lw=0)
+        fault_findings.rms_lines(one, ensembles, f"error_{axis}_deg")
+        one.set_xlim(WINDOW.start_s - 100, WINDOW.end_s + 200)
         one.set_ylim(bottom=0)
     return drawing.titled(figure, axes)
