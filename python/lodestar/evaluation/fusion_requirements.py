@@ -93,6 +93,9 @@ _LIVING_AIR: dict[str, _Pair] = {"init": (0.35, 0.25), "cold": (0.75, 0.60)}
 _CONSTANT_WIND_LOSS = "gps-loss-steady"
 _LOSS: Goals = {"end_120s_m": (60.0, 40.0), "end_300s_m": (90.0, 60.0)}
 
+SCENARIOS_WITH_GOALS = (*_STEADY, "turbulence", _CONSTANT_WIND_LOSS)
+"""Besides these, those of the thesis in living air."""
+
 OVER_LIMIT: _Pair = (1.5, 1.1)
 """rmse of heading of ``integrated`` over its limit."""
 

@@ -141,22 +141,26 @@ class FusionStudy:
         return (self.starts or STARTS) if SUITES[scenario.suite].ins else ("cold",)
 
     def _setups(self, scenario: Scenario, start: str) -> Iterator[tuple[Setup, int | None]]:
-        name, first = scenario.name, start == self._starts_of(scenario)[0]
-        for one in self.filters:
-            # A shipped scenario is flown cold where that has a goal.
-            if first or self.starts or name not in SCENARIOS or goals(name, start, one):
-                yield shipped(one), None
-        if start == "init":
-            if "cascade" in self.filters and name in THESIS:
-                yield from ((setup, BEFORE_RUNS) for setup in BEFORE)
-            if name in ABLATED:
-                for one, options, _ in ABLATIONS:
-                    if one in self.filters:
-                        yield variation(one, options), ABLATION_RUNS
-        if LIMIT.filter in self.filters and "heading_rmse_deg" in goals(name, start, LIMIT.filter):
+        name = scenario.name
+        flown = self._filters_of(scenario, start)
+        yield from ((shipped(one), None) for one in flown)
+        if start == "init" and "cascade" in flown and name in THESIS:
+            yield from ((setup, BEFORE_RUNS) for setup in BEFORE)
+        if start == "init" and name in ABLATED:
+            for one, options, _ in ABLATIONS:
+                if one in flown:
+                    yield variation(one, options), ABLATION_RUNS
+        if LIMIT.filter in flown and "heading_rmse_deg" in goals(name, start, LIMIT.filter):
             yield LIMIT, LIMIT_RUNS
         for options in self.options:
-            yield from ((setup, None) for setup in variations(options, self.filters))
+            yield from ((setup, None) for setup in variations(options, flown))
+
+    def _filters_of(self, scenario: Scenario, start: str) -> tuple[str, ...]:
+        """A shipped scenario is flown from the second start where that has a goal."""
+        first = start == self._starts_of(scenario)[0]
+        if first or self.starts or scenario.name not in SCENARIOS:
+            return self.filters
+        return tuple(one for one in self.filters if goals(scenario.name, start, one))
 
 
 def fusion_study(

@@ -206,7 +206,8 @@ def consistency(book: Book) -> Table:
         "% valid",
         "flights beyond HPL",
     )
-    bounds = [nees_bounds(min(one.runs for one in book.filters()), size) for size in NEES.values()]
+    runs = min((one.runs for one in book.filters()), default=1)
+    bounds = [nees_bounds(runs, size) for size in NEES.values()]
     told_bounds = " and ".join(f"{low:.2f} to {high:.2f}" for low, high in bounds)
     title = (
         f"Consistency: NEES, which should be {told_bounds}, and % of heading / wind N / wind E / "
