@@ -306,15 +306,22 @@ def test_the_report_holds_tables_and_plots(tmp_path):
             *flights(INIT, "integrated", runs=2),
             *flights("ordinary/profile/cold", "integrated", runs=2),
             *flights("ordinary+air/profile/init", "integrated", runs=2),
+            *flights(
+                *("gps-loss-10min/profile/init", "cascade", 2),
+                end_600s_m=300.0,
+                frozen_end_600s_m=400.0,
+            ),
         ]
     )
     drawn = plots(ensembles)
     assert [plot.name for plot in drawn] == [
-        *("flight-ordinary-profile-init", "flight-ordinary+air-profile-init"),
+        "flight-ordinary-profile-init",
+        "flight-ordinary+air-profile-init",
+        "flight-gps-loss-10min-profile-init",
         *("heading-steady", "wind-steady", "position-steady"),
         *("heading-living", "wind-living", "position-living"),
-        "gps-loss",
+        *("gps-loss", "gps-loss-rate"),
     ]
     report = write(findings("fusion", ensembles), drawn, tmp_path).read_text()
     assert report.count("<img") == len(drawn)
-    assert report.count("<table") == 5
+    assert report.count("<table") == 6

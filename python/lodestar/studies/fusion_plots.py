@@ -10,14 +10,16 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from matplotlib.ticker import LogLocator, NullFormatter
 from numpy.typing import NDArray
 
 from lodestar.evaluation import drawing
 from lodestar.harness.scenario import LIVING_AIR
 from lodestar.studies.ensemble import Ensemble
 from lodestar.studies.findings import Plot
-from lodestar.studies.fusion_book import Book, scenario_of
-from lodestar.studies.fusion_score import AXES
+from lodestar.studies.fusion import LOSSES
+from lodestar.studies.fusion_book import Book, has, scenario_of
+from lodestar.studies.fusion_score import AXES, LOSSES_S
 from lodestar.studies.fusion_setups import FILTERS
 from lodestar.studies.sahrs import SERIES_S
 
@@ -58,6 +60,11 @@ def plots(ensembles: Sequence[Ensemble]) -> list[Plot]:
         grown = [one for one in book.filters() if one.cell.case in first and any(_long_losses(one))]
         if grown:
             made.append(Plot("gps-loss", "Losses of GPS", _GROWTH, _growth(grown)))
+        ends = [
+            one for one in grown if scenario_of(one.cell.case).removesuffix(LIVING_AIR) in LOSSES
+        ]
+        if ends:
+            made.append(Plot("gps-loss-rate", "Error by length of the loss", _RATE, _rates(ends)))
     return made
 
 
@@ -71,6 +78,10 @@ _GROWTH = (
     "Rms over all flights of the horizontal error (lines) and of its stated σ (dashes), from the "
     "loss of GPS on. SAHRS alone keeps the wind as it was last estimated. Dotted: the protection "
     "level, its mean."
+)
+
+_RATE = (
+    "Mean horizontal error at the end of losses of GPS of 2, 5, 10 and 60 min over their length."
 )
 
 
@@ -88,9 +99,11 @@ def _flight(cells: Sequence[Ensemble]) -> Figure:
         axes[0].fill_between(time, -edge, edge, color=shade, alpha=alpha, lw=0, label=label)
     for one, axis in zip(axes[1:3], AXES, strict=True):
         true = first[f"wind_{axis}_m_s"] - first[f"wind_{axis}_error_m_s"]
-        one.plot(time, true, color=drawing.TRUE, lw=1.6, label="truth")
+        thickness = 0.6 if _is_rough(true) else 1.6
+        one.plot(time, true, color=drawing.TRUE, lw=thickness, label="truth")
     axes[3].plot(time, first["position_before_m"], color=drawing.BEFORE, label="SAHRS")
-    axes[3].plot(time, first["frozen_error_m"], ":", color=drawing.BEFORE, label="SAHRS alone")
+    if np.isfinite(first["frozen_error_m"]).any():
+        axes[3].plot(time, first["frozen_error_m"], ":", color=drawing.BEFORE, label="SAHRS alone")
     for ensemble in cells:
         series, name = ensemble.results[0].series, ensemble.cell.estimator
         position = np.hypot(*(series[f"position_{axis}_error_m"] for axis in AXES))
@@ -100,22 +113,34 @@ def _flight(cells: Sequence[Ensemble]) -> Figure:
     drawing.scale_by(axes[0], np.append(first["heading_before_deg"], last["heading_error_deg"]))
     for one, axis in zip(axes[1:3], AXES, strict=True):
         _scale_wind(one, cells[0].results[0].series, axis)
+    axes[3].set_ylim(bottom=max(0.05, float(np.nanpercentile(position, 1))))
     _logarithmic(axes[3])
-    axes[3].set_ylim(bottom=1.0)
     return drawing.titled(figure, axes)
 
 
+def _is_rough(values: NDArray[np.float32]) -> bool:
+    """Whether most of the samples differ from the one before, as in turbulence."""
+    return bool(np.nanmedian(np.abs(np.diff(values))) > 0.05)
+
+
 def _scale_wind(one: Axes, series: dict[str, NDArray[np.float32]], axis: str) -> None:
-    """Scale y by the bulk of the estimate: a start without any is not the flight."""
-    known = series[f"wind_{axis}_m_s"][np.isfinite(series[f"wind_{axis}_error_m_s"])]
-    if len(known):
-        low, high = np.percentile(known, [0.5, 99.5])
+    """Scale y by the bulk of wind and estimate: a start without any is not the flight."""
+    estimate, error = (series[f"wind_{axis}_{what}"] for what in ("m_s", "error_m_s"))
+    known = np.isfinite(error)
+    if known.any():
+        both = np.append(estimate[known], (estimate - error)[known])
+        low, high = np.percentile(both, [0.5, 99.5])
         one.set_ylim(low - 2.0, high + 2.0)
 
 
 def _logarithmic(one: Axes) -> None:
+    """Scale what has been drawn by its logarithm, with plain numbers beside the axis."""
     one.set_yscale("log")
+    low, high = one.get_ylim()
+    marks = (1.0, 2.0, 5.0) if high < 60 * low else (1.0,)
+    one.yaxis.set_major_locator(LogLocator(subs=marks))
     one.yaxis.set_major_formatter("{x:g}")
+    one.yaxis.set_minor_formatter(NullFormatter())
 
 
 def _shade(axes: Sequence[Axes], ensemble: Ensemble) -> None:
@@ -225,8 +250,8 @@ def _growth(cells: Sequence[Ensemble]) -> Figure:
             if np.isfinite(level).any():
                 one.plot(minutes, np.mean(level, axis=0), ":", color=colour, lw=1.1)
         one.set_title(f"{case.rsplit('/', 1)[0]}, {(end - start) / 60:.0f} min", loc="left", size=9)
-        _logarithmic(one)
         one.set_ylim(bottom=1.0)
+        _logarithmic(one)
         one.margins(x=0.01)
     styles: list[Style] = [("SAHRS alone", drawing.BEFORE, "-")]
     for name in dict.fromkeys(one.cell.estimator for one in cells):
@@ -235,6 +260,45 @@ def _growth(cells: Sequence[Ensemble]) -> Figure:
     figure.supxlabel("since the loss of GPS, min", fontsize=10)
     _legend(figure, styles)
     return figure
+
+
+def _rates(cells: Sequence[Ensemble]) -> Figure:
+    """Error at the end over the length of the loss, in constant wind and in living air."""
+    of_air: dict[str, list[Ensemble]] = {}
+    for ensemble in cells:
+        living = scenario_of(ensemble.cell.case).endswith(LIVING_AIR)
+        of_air.setdefault("living air" if living else "constant wind", []).append(ensemble)
+    figure, axes = _grid(len(of_air))
+    styles: dict[str, Style] = {}
+    for one, (air, members) in zip(axes, of_air.items(), strict=True):
+        for ensemble in members:
+            name = ensemble.cell.estimator
+            styles[name] = (name, _COLOURS[name], "-")
+        for name, (_, colour, _) in list(styles.items()):
+            own = [ensemble for ensemble in members if ensemble.cell.estimator == name]
+            one.plot(*_rate(own, "end"), "o-", color=colour, ms=4)
+        alone = [e for e in members if e.cell.estimator == members[0].cell.estimator]
+        one.plot(*_rate(alone, "frozen_end"), "o-", color=drawing.BEFORE, ms=4)
+        one.set_title(air, loc="left", fontsize=10)
+        one.set_xscale("log")
+        one.set_xticks([2, 5, 10, 60], ["2", "5", "10", "60"])
+        one.xaxis.set_minor_formatter(NullFormatter())
+        _logarithmic(one)
+    figure.supylabel("m/min", fontsize=10)
+    figure.supxlabel("length of the loss, min", fontsize=10)
+    _legend(figure, [("SAHRS alone", drawing.BEFORE, "-"), *styles.values()])
+    return figure
+
+
+def _rate(cells: Sequence[Ensemble], what: str) -> tuple[list[float], list[float]]:
+    """Lengths of losses, min, and the mean of a figure at their end, m/min."""
+    points = [
+        (length / 60, float(np.mean(ensemble.figure(f"{what}_{length}s_m"))) / (length / 60))
+        for length in LOSSES_S
+        for ensemble in cells
+        if has(ensemble, f"{what}_{length}s_m")
+    ]
+    return [minutes for minutes, _ in points], [rate for _, rate in points]
 
 
 def _grid(count: int) -> tuple[Figure, list[Axes]]:
