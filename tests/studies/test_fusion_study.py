@@ -15,6 +15,7 @@ from lodestar.evaluation.fusion_requirements import EKF2, SCENARIOS_WITH_GOALS, 
 from lodestar.evaluation.metrics import Gap
 from lodestar.harness.scenario import fly_truth, load_scenario, measure
 from lodestar.navigator import run
+from lodestar.studies import fusion
 from lodestar.studies.fusion import SCENARIOS, FusionStudy, fusion_study
 from lodestar.studies.fusion_score import Flight, figures, protection_level, series, unseen_steps
 from lodestar.studies.fusion_setups import ABLATIONS, BEFORE, LIMIT, Setup, shipped, told, variation
@@ -219,6 +220,15 @@ def test_a_scenario_is_flown_from_both_starts_where_there_are_goals():
 
 def test_without_an_ins_there_is_only_a_cold_start():
     assert cells_of("uav-gps-loss").keys() == {("cold", "cascade"), ("cold", "integrated")}
+
+
+def test_results_depend_on_what_the_named_setups_are_but_not_on_which_are_flown(monkeypatch):
+    study = FusionStudy((load_scenario("ordinary"),))
+    made_from = study.inputs("ordinary/profile")
+    assert replace(study, filters=("cascade",)).inputs("ordinary/profile") == made_from
+    assert replace(study, options=("sahrs.form=paper",)).inputs("ordinary/profile") == made_from
+    monkeypatch.setattr(fusion, "_NAMED", ())
+    assert study.inputs("ordinary/profile") != made_from
 
 
 def test_ablations_are_flown_with_fewer_seeds_in_two_scenarios():

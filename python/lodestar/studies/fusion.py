@@ -63,6 +63,8 @@ ABLATION_RUNS = 10
 LIMIT_RUNS = 10
 """Differences from the same flights, and sigmas, need fewer flights than means."""
 
+_NAMED = (*BEFORE, LIMIT)
+
 
 @dataclass(frozen=True)
 class Variant:
@@ -129,7 +131,8 @@ class FusionStudy:
         """See campaign.Study."""
         variants = [v for v in self.variants.values() if v.cell.flight == flight]
         scored = Path(str(fusion_score.__file__)).read_text()
-        return "\n".join([describe(variants[0].scenario, variants[0].engine), scored])
+        # The other setups have their options in their names.
+        return "\n".join([describe(variants[0].scenario, variants[0].engine), scored, repr(_NAMED)])
 
     def _of_flight(self, scenario: Scenario, engine: str) -> Iterator[Variant]:
         for start in self._starts_of(scenario):

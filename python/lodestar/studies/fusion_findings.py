@@ -145,8 +145,8 @@ def _notes(book: Book) -> list[str]:
     told = [
         "rms: mean over the flights with its 95 % interval. Before: SAHRS, and dead reckoning on "
         "it with air data in still air; after: NAV. SAHRS before correction is that of cascade's "
-        "cells, in its velocity form, its paper's form, and that without states for the bias of "
-        "the magnetic detector (thesis-like).",
+        "cells, in its velocity form, its paper's form, and that without states for the errors "
+        "of the magnetic detector (thesis-like).",
         "Thesis: the Linköping thesis. Its wind is what is missing between true and calculated "
         "velocity, and was added to the magnitude of the airspeed only; here it enters through the "
         "wind triangle. Its figures of wind are a reference, not the same experiment.",

@@ -265,7 +265,7 @@ def _growth(cells: Sequence[Ensemble]) -> Figure:
 def _rates(cells: Sequence[Ensemble]) -> Figure:
     """Error at the end over the length of the loss, in constant wind and in living air."""
     of_air: dict[str, list[Ensemble]] = {}
-    for ensemble in cells:
+    for ensemble in sorted(cells, key=lambda one: LIVING_AIR in one.cell.case):
         living = scenario_of(ensemble.cell.case).endswith(LIVING_AIR)
         of_air.setdefault("living air" if living else "constant wind", []).append(ensemble)
     figure, axes = _grid(len(of_air))

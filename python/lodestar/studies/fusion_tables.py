@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from lodestar.evaluation.fusion_requirements import OVER_LIMIT, THESIS
+from lodestar.evaluation.fusion_requirements import OVER_LIMIT, THESIS, THESIS_GPS_M
 from lodestar.evaluation.summary import NONE, Table
 from lodestar.studies.ensemble import Ensemble, nees_bounds, with_half
 from lodestar.studies.fusion_book import (
@@ -120,7 +120,12 @@ def wind_and_position(book: Book) -> Table:
         "all flight N, m",
         "all flight E, m",
     )
-    return Table("Error of wind, and position with GPS and over the flight", header, body)
+    before, after = THESIS_GPS_M
+    title = (
+        "Error of wind, and position with GPS and over the flight (the thesis, latitude: "
+        f"{before:.2f} → {after:.2f} m, {after / before:.3f})"
+    )
+    return Table(title, header, body)
 
 
 def verdicts(book: Book) -> Table:
