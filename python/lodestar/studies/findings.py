@@ -65,7 +65,8 @@ class Findings:
         """Passed or failed, and why, in one line."""
         failures = self.failures
         if not failures:
-            return "passed: every limit was kept"
+            judged = any("limit" in row for row in self.rows)
+            return "passed: every limit was kept" if judged else "passed: no limit applies"
         more = len(failures) - _MOST_TOLD
         told = failures[:_MOST_TOLD] + ([f"and {more} more"] if more > 0 else [])
         return f"failed: {'; '.join(told)}"

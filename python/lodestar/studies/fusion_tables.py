@@ -238,11 +238,10 @@ def options(book: Book) -> Table:
             same = Ensemble(shipped.cell, tuple(r for r in shipped.results if r.seed in seeds))
             for one in (same, *others):
                 what = told(one.cell.estimator) if one is not same else "as shipped"
-                body.append((case, name, what, *_compared(one)))
+                body.append((case, name, *_compared(one), what))
     header = (
         "case",
         "filter",
-        "configuration",
         "flights",
         "heading, °",
         "NEES",
@@ -250,8 +249,9 @@ def options(book: Book) -> Table:
         "NEES / 2",
         "roll / pitch, °",
         "position with GPS, m",
+        "configuration",
     )
-    return Table("What the options and the states are worth", header, body)
+    return Table("What the options and the states are worth", header, body, wide=True)
 
 
 def _compared(one: Ensemble) -> tuple[str, ...]:
