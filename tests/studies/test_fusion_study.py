@@ -17,7 +17,7 @@ from lodestar.harness.scenario import fly_truth, load_scenario, measure
 from lodestar.navigator import run
 from lodestar.studies import fusion
 from lodestar.studies.fusion import SCENARIOS, FusionStudy, fusion_study
-from lodestar.studies.fusion_score import Flight, figures, protection_level, series, unseen_steps
+from lodestar.studies.fusion_score import Flight, figures, series, unseen_steps
 from lodestar.studies.fusion_setups import ABLATIONS, BEFORE, LIMIT, Setup, shipped, told, variation
 
 RNG = np.random.default_rng(11)
@@ -150,8 +150,6 @@ def test_time_beyond_the_protection_level_is_counted():
     assert found["beyond_protection_h"] == pytest.approx(3.6 / 3600)
     assert found["largest_of_protection"] == 1.5
     assert scored(flight())["protected_h"] == 0.0
-    assert protection_level({"horizontal_protection_level": np.array([7.0])})[0] == 7.0
-    assert protection_level({"hpl": np.array([7.0])})[0] == 7.0
 
 
 def test_the_peers_figures_are_those_before_and_in_the_first_loss():

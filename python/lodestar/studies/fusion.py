@@ -60,7 +60,7 @@ ABLATED = ("ordinary", "wind-pulse-12")
 
 BEFORE_RUNS = 20
 ABLATION_RUNS = 10
-LIMIT_RUNS = 10
+LIMIT_RUNS = 5
 """Differences from the same flights, and sigmas, need fewer flights than means."""
 
 _NAMED = (*BEFORE, LIMIT)

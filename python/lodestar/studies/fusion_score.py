@@ -78,7 +78,7 @@ class Flight:
         losses = tuple(compared.gps_losses)
         fixes = answered["GPS"]
         at = reference_at(answered, "TRUTH", fixes["time_us"])
-        level = protection_level(thin["NAV"])
+        level = thin["NAV"]["horizontal_protection_level"]
         return cls(
             time_s=time_s,
             nav=nav,
@@ -100,12 +100,6 @@ class Flight:
                 self.time_s < gap.end_us * 1e-6 + back_s
             )
         return rows
-
-
-def protection_level(nav: Channel) -> Array:
-    """The horizontal protection level (n,) at 1e-5/h, m; -1 where none is stated."""
-    name = "hpl" if "hpl" in nav else "horizontal_protection_level"
-    return np.asarray(nav[name], np.float64)
 
 
 def unseen_steps(time_s: Array, scenario: Scenario, losses: tuple[Gap, ...]) -> Rows:

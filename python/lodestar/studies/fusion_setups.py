@@ -68,6 +68,22 @@ ABLATIONS: tuple[tuple[str, str, str], ...] = (
         "the thesis's model of wind, 5 m/s and 400 s",
     ),
     ("cascade", "fusion.cascade.wind_change_false_alarm=1e-12", "hardly looks for steps of wind"),
+    (
+        "cascade",
+        "fusion.cascade.use_initial_heading=false",
+        "heading error not started from the INS's last heading",
+    ),
+    (
+        "cascade",
+        "fusion.cascade.heading_turn_gain=10,fusion.cascade.wind_turn_gain=10",
+        "noise of heading error and wind raised in turns, 10 times at 3°/s",
+    ),
+    (
+        "cascade",
+        "fusion.cascade.heading_deviation_sigma_deg=1",
+        "heading error as the magnetic components give it, 1°",
+    ),
+    ("cascade", "fusion.cascade.attitude_error=small_angle", "one small rotation in N"),
     ("integrated", "strapdown.field_drift_sigma_nT=0", "without magnetometer Gauss-Markov"),
     ("integrated", "strapdown.field_matrix_sigma=0", "without magnetometer matrix"),
     ("integrated", "strapdown.field_bias_sigma_nT=0", "without magnetometer bias"),
@@ -85,6 +101,13 @@ ABLATIONS: tuple[tuple[str, str, str], ...] = (
         "without gyro matrix",
     ),
     ("integrated", "strapdown.gyro_drift_sigma_deg_s=0", "without gyro Gauss-Markov"),
+    ("integrated", "fusion.integrated.gps_error_sigma_m=0.01", "without GPS Gauss-Markov"),
+    ("integrated", "strapdown.field_noise_nT=1e5", "without the magnetometer"),
+    (
+        "integrated",
+        "strapdown.airspeed_noise_m_s=20,strapdown.flow_noise_deg=10",
+        "with hardly any air data",
+    ),
 )
 """Filter, options and what they mean."""
 
