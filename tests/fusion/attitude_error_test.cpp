@@ -104,15 +104,11 @@ TEST_P(AttitudeErrorAt, EulerByStatesAgreesWithCentralDifferences) {
 }
 
 TEST_P(AttitudeErrorAt, ARotationInBIsTheSameOneAlongTheLevelAxes) {
-  samples::Attitude sahrs;
-  sahrs.roll = GetParam().roll;
-  sahrs.pitch = GetParam().pitch;
-  sahrs.heading = GetParam().heading;
   const AttitudeError form = AttitudeError::kSmallAngle;
   const Eigen::Vector3d phi_B(0.01, -0.02, 0.03);
-  const Eigen::Vector3d along = angles_by_rotation_B(form, sahrs) * phi_B;
+  const Eigen::Vector3d along = angles_by_rotation_B(form, GetParam()) * phi_B;
   const Eigen::Vector3d in_N = math::C_NB_from_euler(GetParam()) * phi_B;
-  const Eigen::Vector3d states = angle_axes(form, sahrs.heading) * along;  // down, east, north
+  const Eigen::Vector3d states = angle_axes(form, GetParam().heading) * along;  // down, east, north
   EXPECT_LT((states.reverse() - in_N).norm(), 1e-15);
 }
 
@@ -123,11 +119,10 @@ INSTANTIATE_TEST_SUITE_P(Attitudes, AttitudeErrorAt,
                                          math::Euler{0.3, 80.0 * kDegree, 1.0}));
 
 TEST(AttitudeErrorTest, SmallAngleStatesHaveFiniteVarianceStraightUp) {
-  samples::Attitude sahrs;
-  sahrs.pitch = 90.0 * kDegree;
-  const Eigen::Matrix3d E = angles_by_rotation_B(AttitudeError::kSmallAngle, sahrs);
+  const math::Euler up{0.0, 90.0 * kDegree, 0.0};
+  const Eigen::Matrix3d E = angles_by_rotation_B(AttitudeError::kSmallAngle, up);
   EXPECT_LT((E * E.transpose() - Eigen::Matrix3d::Identity()).norm(), 1e-14);
-  EXPECT_GT(angles_by_rotation_B(AttitudeError::kEuler, sahrs).norm(), 10.0);
+  EXPECT_GT(angles_by_rotation_B(AttitudeError::kEuler, up).norm(), 10.0);
 }
 
 TEST(AttitudeErrorTest, AxesOfTheSmallAngleTurnWithTheHeading) {

@@ -27,6 +27,7 @@ THESIS = (
     "gps-loss-long",
     "gps-loss-short",
 )
+LOSSES = ("gps-loss-steady", "gps-loss-10min", "gps-loss-60min")
 MINIMAL = 'route = "ordinary"\nduration_s = 10\n'
 
 
@@ -41,7 +42,8 @@ def write(tmp_path, text: str):
 
 
 def test_all_scenarios_are_shipped_and_say_what_they_are():
-    assert set(scenario_names()) == {*THESIS, "vanern", "hard", "turbulence", "uav-gps-loss"}
+    others = {"vanern", "hard", "turbulence", "uav-gps-loss"}
+    assert set(scenario_names()) == {*THESIS, *LOSSES, *others}
     for name in scenario_names():
         scenario = load_scenario(name)
         assert scenario.name == name
@@ -71,6 +73,16 @@ def test_gps_outages_are_those_of_the_thesis():
     assert short_losses == tuple((start, 10) for start in range(200, 3000, 200))
     vanern = load_scenario("vanern").gps_outages()
     assert vanern == (*((start, 20) for start in range(500, 1500, 200)), (5200, 300))
+
+
+def test_gps_is_lost_for_2_to_60_min_in_constant_wind():
+    lost = {name: load_scenario(name).gps_outages() for name in LOSSES}
+    assert [[length for _, length in one] for one in lost.values()] == [[120, 300], [600], [3600]]
+    for name in LOSSES:
+        scenario = load_scenario(name)
+        start, length = lost[name][-1]
+        assert start + length < scenario.duration_s
+        assert (scenario.wind.pulse_north_m_s, scenario.wind.wander_sigma_m_s) == (0, 0)
 
 
 def test_living_air_adds_to_any_scenario_and_keeps_the_stronger_turbulence():
@@ -169,7 +181,7 @@ def test_bad_file_is_refused_with_file_line_key_and_what_is_allowed(tmp_path, te
 
 
 def test_unknown_name_lists_what_there_is():
-    with pytest.raises(InputError, match=r"scenario nonsense: unknown; shipped are gps-loss-long"):
+    with pytest.raises(InputError, match=r"scenario nonsense: unknown; shipped are gps-loss-10min"):
         load_scenario("nonsense")
     with pytest.raises(InputError, match=r"nonsense\.toml: cannot be read"):
         load_scenario("nonsense.toml")

@@ -112,6 +112,21 @@ def test_more_runs_and_more_cells_add_to_what_there_is(tmp_path):
     same(kept, [study.result(cell, seed) for cell in CELLS[:3] for seed in range(3)])
 
 
+def test_a_cell_that_wants_few_flights_gets_the_first_of_them(tmp_path):
+    few = replace(CELLS[1], most_runs=2)
+    study = Counting((CELLS[0], few))
+    run(study, range(5, 9), ParquetStore(tmp_path), InThisProcess())
+    kept = ParquetStore(tmp_path).results(study.cells, range(5, 9))
+    assert [r.seed for r in kept if r.cell == few] == [5, 6]
+    assert [r.seed for r in kept if r.cell == CELLS[0]] == [5, 6, 7, 8]
+    again = Counting((CELLS[0], few))
+    told = []
+    run(
+        again, range(5, 9), ParquetStore(tmp_path), InThisProcess(), lambda *done: told.append(done)
+    )
+    assert (again.flown, told) == ([], [(4, 4)])
+
+
 def test_results_of_another_scenario_are_not_mixed_in(tmp_path):
     run(Counting(), range(1), ParquetStore(tmp_path), InThisProcess())
     with pytest.raises(InputError, match="a/x was flown with another build or scenario"):

@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "lodestar/earth/wgs84.h"
+#include "lodestar/fusion/dead_reckoning.h"
 #include "lodestar/fusion/uncertainty.h"
 
 namespace lodestar::fusion {
@@ -32,8 +33,6 @@ constexpr double kIndependentPerHour = 24.0;
 double protection_multiple() {
   return std::sqrt(-2.0 * std::log(kRiskPerHour / kIndependentPerHour));
 }
-
-double seconds(std::int64_t microseconds) { return 1e-6 * static_cast<double>(microseconds); }
 
 double square(double x) { return x * x; }
 

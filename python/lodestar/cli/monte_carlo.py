@@ -25,6 +25,7 @@ SAHRS_EXAMPLE = "Example: lodestar monte-carlo sahrs --runs 20 --scenario hard -
 FAULTS_EXAMPLE = "Example: lodestar monte-carlo sahrs-faults --runs 20 --form velocity"
 FUSION_FAULTS_EXAMPLE = "Example: lodestar monte-carlo fusion-faults --runs 6 --seed-first 301"
 INS_MONITOR_EXAMPLE = "Example: lodestar monte-carlo ins-monitor --runs 27 --form velocity"
+FUSION_EXAMPLE = "Example: lodestar monte-carlo fusion --runs 10 --scenario ordinary --start init"
 
 app = typer.Typer(
     help="Fly a study many times, on all cores, and tabulate it. It may be stopped and run again.",
@@ -91,6 +92,61 @@ def sahrs(
         study.sahrs_study(
             scenario or (), engine or (), form or (), set() if calibrated is None else {calibrated}
         ),
+        findings,
+        plots,
+        range(seed_first, seed_first + runs),
+        workers,
+        out,
+        redraw=redraw,
+        as_json=as_json,
+    )
+
+
+@app.command("fusion", epilog=FUSION_EXAMPLE)
+def fusion(
+    runs: RunsOption = 50,
+    scenario: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--scenario",
+            metavar="NAME|FILE",
+            help="Once for each; those with a goal by default.",
+        ),
+    ] = None,
+    engine: EngineOption = None,
+    filter_: Annotated[
+        list[str] | None,
+        typer.Option("--filter", metavar="cascade|integrated", help="Both by default."),
+    ] = None,
+    start: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--start",
+            metavar="init|cold",
+            help="From the INS's last attitude, or aligned in flight; where there is a goal.",
+        ),
+    ] = None,
+    option: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--option",
+            metavar="KEY=VALUE,...",
+            help="Fly another configuration beside the shipped one; once for each.",
+        ),
+    ] = None,
+    seed_first: FirstSeedOption = 1,
+    workers: WorkersOption = None,
+    out: FolderOption = None,
+    redraw: RedrawOption = False,
+    as_json: JsonOption = False,
+) -> None:
+    """GPS with SAHRS: heading, wind, position, losses of GPS, against the thesis and a peer."""
+    from lodestar.studies.fusion import fusion_study
+    from lodestar.studies.fusion_findings import findings
+    from lodestar.studies.fusion_plots import plots
+
+    _conduct(
+        fusion_study(scenario or (), engine or (), filter_ or (), start or (), option or ()),
         findings,
         plots,
         range(seed_first, seed_first + runs),

@@ -36,6 +36,7 @@ class Reference:
     lat: Array
     lon: Array
     h: Array
+    v_N: Array
     wind_N: Array | None  # only TRUTH knows it
 
     @property
@@ -65,6 +66,7 @@ class Estimates:
     attitude: Series | None = None  # roll, pitch, heading; rad
     rotation: Series | None = None  # about the body axes; rad
     position: Series | None = None  # north, east; m
+    velocity: Series | None = None  # north, east; m/s
     wind: Series | None = None  # north, east; m/s
 
 
@@ -140,6 +142,7 @@ def reference_at(recording: Recording, name: str, time_us: Times) -> Reference:
         lat=between(values["lat"]),
         lon=between(np.unwrap(values["lon"])),
         h=between(values["h"]),
+        v_N=between(values["v_N"]),
         wind_N=between(values["wind_N"]) if "wind_N" in values else None,
     )
 
@@ -197,7 +200,8 @@ def compare_nav(recording: Recording, name: str = "TRUTH") -> Estimates:
     valid = nav["valid"]
     reference = reference_at(recording, name, nav["time_us"])
     position = north_east_m(nav["lat"], nav["lon"], reference.lat, reference.lon, reference.h)
-    position[~valid] = np.nan
+    velocity = (nav["v_N"] - reference.v_N)[:, :2]
+    position[~valid] = velocity[~valid] = np.nan
     wind = None
     if reference.wind_N is not None:
         error = nav["wind_N"][:, :2] - reference.wind_N[:, :2]
@@ -210,6 +214,9 @@ def compare_nav(recording: Recording, name: str = "TRUTH") -> Estimates:
         attitude=_attitude(nav, reference, nav["sigma_attitude"]),
         position=Series(
             ("position_north", "position_east"), position, nav["sigma_position"][:, :2]
+        ),
+        velocity=Series(
+            ("velocity_north", "velocity_east"), velocity, nav["sigma_velocity"][:, :2]
         ),
         wind=wind,
     )
@@ -243,5 +250,9 @@ def _dead_reckoning(recording: Recording, name: str) -> Estimates | None:
         time_us=time_us,
         available=float(np.mean(ready)),
         position=Series(("position_north", "position_east"), error),
+        velocity=Series(
+            ("velocity_north", "velocity_east"),
+            np.where(ready[:, None], v_N - reference.v_N, np.nan)[:, :2],
+        ),
         wind=wind,
     )

@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+from lodestar.evaluation.fusion_requirements import THESIS
+
 SETTLING_S = 60.0
 """The SAHRS paper's "never beyond" holds from here on; rmse is over the whole valid output."""
 
@@ -49,24 +51,11 @@ GOALS: dict[str, dict[str, tuple[float, float]]] = {
 rmse is the mean over many flights, max the largest of all.
 """
 
-# Linköping thesis, tables of chapter 6, rmse: heading (deg) before and after correction, wind north
-# and east (m/s) after it. Its wind is what is missing between true and calculated velocity, and was
-# added to the magnitude of the airspeed only: a figure to look at, not the same experiment.
-_THESIS = {
-    "ordinary": (3.46, 0.72, 1.72, 1.33),
-    "wind-pulse-6": (3.81, 0.83, 1.80, 1.45),
-    "wind-strong": (3.91, 1.13, 1.71, 1.50),
-    "wind-pulse-12": (3.91, 1.28, 1.95, 1.58),
-    "gps-loss-short": (3.91, 1.29, 2.14, 1.65),
-    "gps-loss-long": (3.91, 1.36, 2.63, 1.90),
-    "vanern": (3.02, 1.22, 1.26, 1.19),
+_THESIS_QUANTITIES = {
+    "heading_rmse_deg": "heading",
+    "wind_north_rmse_m_s": "wind_north",
+    "wind_east_rmse_m_s": "wind_east",
 }
-_THESIS_ROWS = (
-    ("sahrs", "heading_rmse_deg"),
-    ("cascade", "heading_rmse_deg"),
-    ("cascade", "wind_north_rmse_m_s"),
-    ("cascade", "wind_east_rmse_m_s"),
-)
 
 
 def is_hard(case: str) -> bool:
@@ -105,7 +94,9 @@ def goals(case: str, estimator: str) -> dict[str, tuple[float, float]]:
 
 def published(case: str, estimator: str, metric: str) -> float | None:
     """The figure of the Linköping thesis for the same kind of flight, None where it has none."""
-    figures = _THESIS.get(case)
-    if figures is None or (estimator, metric) not in _THESIS_ROWS:
+    quantity = _THESIS_QUANTITIES.get(metric)
+    if quantity is None or case not in THESIS:
         return None
-    return figures[_THESIS_ROWS.index((estimator, metric))]
+    before, after = THESIS[case][quantity]
+    # Its wind before correction is no figure of SAHRS.
+    return {"cascade": after, "sahrs": before if quantity == "heading" else None}.get(estimator)

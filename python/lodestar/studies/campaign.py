@@ -11,7 +11,7 @@ from __future__ import annotations
 import hashlib
 import sys
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import lru_cache
 from pathlib import Path
 from typing import Protocol
@@ -44,6 +44,12 @@ class Cell:
     flight: str
     case: str
     estimator: str
+    most_runs: int | None = field(default=None, compare=False, repr=False)
+    """It is flown with no more than so many seeds, the first of those that are asked for."""
+
+    def wants(self, number: int) -> bool:
+        """Whether it is flown with the seed of this number, the first being 0."""
+        return self.most_runs is None or number < self.most_runs
 
 
 @dataclass(frozen=True)
@@ -151,8 +157,8 @@ def _tasks(study: Study, seeds: range, store: Store, origins: dict[str, str]) ->
     for flight, made_from in origins.items():
         cells = [cell for cell in study.cells if cell.flight == flight]
         flown = {cell: store.seeds(cell, made_from) for cell in cells}
-        for seed in seeds:
-            missing = tuple(cell for cell in cells if seed not in flown[cell])
+        for number, seed in enumerate(seeds):
+            missing = tuple(c for c in cells if c.wants(number) and seed not in flown[c])
             if missing:
                 tasks.append(Task(study, missing, seed))
     return tasks

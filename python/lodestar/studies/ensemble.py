@@ -57,6 +57,13 @@ def mean_interval(values: Array) -> tuple[float, float, float]:
     return mean, mean - half, mean + half
 
 
+def with_half(values: Array, style: str = ".2f") -> str:
+    """The mean and half its 95 % interval, as a person reads them."""
+    mean, low, _ = mean_interval(values)
+    told = format(mean, style)
+    return told if np.isnan(low) else f"{told} ± {format(mean - low, style)}"
+
+
 def nees_bounds(runs: int, size: int) -> tuple[float, float]:
     """Where the mean NEES of ``runs`` flights, divided by ``size``, lies with 95 %.
 

@@ -51,12 +51,12 @@ class Findings:
 
     @property
     def failures(self) -> list[str]:
-        """The rows over their limit, one line each."""
+        """The rows over their limit, or under what they must at least be, one line each."""
         return [
-            f"{row['case']} {row['estimator']} {row['metric']} is {_told(row['value'])}, limit "
-            f"{row['limit']:g}"
+            f"{row['case']} {row['estimator']} {row['metric']} is {_told(row['value'])}, {bound}"
             for row in self.rows
-            if "limit" in row and not (row["value"] is not None and row["value"] <= row["limit"])
+            for bound in [_broken_bound(row)]
+            if bound
         ]
 
     @property
@@ -64,7 +64,8 @@ class Findings:
         """Passed or failed, and why, in one line."""
         failures = self.failures
         if not failures:
-            return "passed: every limit was kept"
+            judged = any("limit" in row for row in self.rows)
+            return "passed: every limit was kept" if judged else "passed: no limit applies"
         more = len(failures) - _MOST_TOLD
         told = failures[:_MOST_TOLD] + ([f"and {more} more"] if more > 0 else [])
         return f"failed: {'; '.join(told)}"
@@ -83,8 +84,13 @@ def row(
     interval: tuple[float, float] | None = None,
     reference: float | None = None,
     limit: float | None = None,
+    least: float | None = None,
+    stretch: float | None = None,
 ) -> Row:
-    """A row for scripts; what is not known is left out, and a value that does not exist is null."""
+    """A row for scripts; what is not known is left out, and a value that does not exist is null.
+
+    The value must not be above ``limit`` nor below ``least``; ``stretch`` is what it aims at.
+    """
     made: Row = {
         "case": case,
         "estimator": estimator,
@@ -95,8 +101,9 @@ def row(
         made |= {"low": interval[0], "high": interval[1]}
     if reference is not None:
         made["reference"] = reference
-    if limit is not None:
-        made["limit"] = limit
+    for name, bound in (("limit", limit), ("least", least), ("stretch", stretch)):
+        if bound is not None:
+            made[name] = bound
     return made
 
 
@@ -129,6 +136,16 @@ def write(findings: Findings, plots: Sequence[Plot], folder: Path) -> Path:
     parts += [page.figure(p.name, p.title, p.caption, images[p.name]) for p in plots]
     page.write(findings.title, parts, folder / REPORT)
     return folder / REPORT
+
+
+def _broken_bound(row: Row) -> str | None:
+    """The bound that a row breaks, in words; a value that does not exist breaks any."""
+    value = row["value"]
+    if "limit" in row and not (value is not None and value <= row["limit"]):
+        return f"limit {row['limit']:g}"
+    if "least" in row and not (value is not None and value >= row["least"]):
+        return f"at least {row['least']:g}"
+    return None
 
 
 def _told(value: float | None) -> str:

@@ -11,7 +11,7 @@ from lodestar.evaluation import requirements
 from lodestar.evaluation.score import Row
 from lodestar.evaluation.summary import NONE, Table
 from lodestar.studies.campaign import Result
-from lodestar.studies.ensemble import Ensemble, mean_interval, nees_bounds
+from lodestar.studies.ensemble import Ensemble, mean_interval, nees_bounds, with_half
 from lodestar.studies.findings import Findings, row
 from lodestar.studies.sahrs import AXES, FORM_OF, FORMS, RECOVERY_S, WINDOWS
 
@@ -181,8 +181,7 @@ def _errors(ensembles: Sequence[Ensemble]) -> Table:
         cells = []
         for column, metric in enumerate((*RMSE, *MAXIMA), start=2):
             values = ensemble.figure(metric)
-            mean, low, _ = mean_interval(values)
-            cells.append(_with_half(mean, low) if metric in RMSE else f"{np.max(values):.2f}")
+            cells.append(with_half(values) if metric in RMSE else f"{np.max(values):.2f}")
             if metric in paper and not np.max(values) <= paper[metric]:
                 bad.add((number, column))
         body.append((*_names(ensemble), *cells))
@@ -302,7 +301,3 @@ def _notes(ensembles: Sequence[Ensemble]) -> list[str]:
     if len(runs) > 1:
         told.append(f"Incomplete: the cases have {runs[0]} to {runs[-1]} flights.")
     return told
-
-
-def _with_half(mean: float, low: float) -> str:
-    return f"{mean:.2f}" if np.isnan(low) else f"{mean:.2f} ± {mean - low:.2f}"
