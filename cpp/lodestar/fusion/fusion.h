@@ -53,7 +53,7 @@ class Fusion {
   /// What another reference, now lost, said of the heading of SAHRS: at `time_us` it was wrong by
   /// `error` (rad, true - SAHRS) to `sigma` (rad).
   void know_heading_error(double error, double sigma, std::int64_t time_us) {
-    if (Integrated* one = integrated()) return one->know_heading_error(error, sigma);
+    if (Integrated* one = integrated()) return one->know_heading_error(error, sigma, time_us);
     std::get<Cascade>(filter_).know_heading_error(error, sigma, time_us);
   }
 

@@ -47,6 +47,7 @@ struct Heading {
     visit(strapdown::kAttitude.offset, Eigen::RowVector3d::UnitZ().eval());
   }
 };
+using HeadingUpdate = strapdown::SparseUpdate<strapdown::kGroundStates, Heading>;
 
 }  // namespace
 
@@ -70,12 +71,13 @@ Use Integrated::update(const samples::MagneticField& sample) {
 }
 
 void Integrated::follow(const samples::Attitude& sahrs) {
-  sahrs_ = sahrs;
   const bool aligned = sahrs.mode != samples::AttitudeMode::kWaiting &&
                        sahrs.mode != samples::AttitudeMode::kRealigning;
   if (aligned && (!guard_.running() || (guard_.lost() && sahrs.valid))) begin(sahrs);
   guard_.finish_frame();
   refresh();
+  headings_.add({now_us_, math::wrap_pi(navigation_.heading - sahrs.heading),
+                 filter().heading_corrections()});
 }
 
 /// The position goes on as it went while there was no attitude; how far is not quite known.
@@ -96,6 +98,7 @@ void Integrated::begin(const samples::Attitude& sahrs) {
              parameters_.initial_position_sigma);
   }
   begun_ = true;
+  headings_.restart();
 }
 
 void Integrated::start_at(double lat, double lon, double sigma) {
@@ -129,8 +132,7 @@ Use Integrated::update(const samples::GpsFix& fix) {
   PositionUpdate update = compare(fix, *at);
   const bool passed = passes(update, fix.fix_type != 2);
   const bool at_once = passed && (!ever_aided_ || fresh(fix.time_us));
-  const bool believed =
-      at_once || reacquisition_.examine(fix.time_us, innovation_, std::sqrt(noise_));
+  const bool believed = at_once || reacquisition_.examine(fix.time_us, offset(), std::sqrt(noise_));
   if (!believed) {
     refresh_status();
     return passed ? Use::kHeld : Use::kGated;
@@ -170,14 +172,14 @@ bool Integrated::passes(PositionUpdate& update, bool has_height) {
 /// Takes in a fix that examination has found to be believed, and says by how much that moves the
 /// position.
 void Integrated::reset(const samples::GpsFix& fix, const GroundPoint& at, bool passed) {
-  const Eigen::Vector2d before = corrected_;
+  const Eigen::Vector2d before = filter().position_corrections();
   const Eigen::Vector2d innovation = innovation_;
   if (!passed) yield_to_fixes();
   PositionUpdate update = compare(fix, at);
   passes(update, fix.fix_type != 2);
   innovation_ = innovation;
   correct(fix, update);
-  navigation_.reset_delta = corrected_ - before;
+  navigation_.reset_delta = filter().position_corrections() - before;
   ++navigation_.reset_count;
   reacquisition_.cancel();
 }
@@ -189,11 +191,8 @@ void Integrated::yield_to_fixes() {
 }
 
 void Integrated::correct(const samples::GpsFix& fix, const PositionUpdate& update) {
-  const earth::Geodetic before = filter().estimate().position();
-  const Eigen::Vector2d offset = innovation_ + corrected_;
+  fix_noise_.add(fix.time_us, offset(), fix.sigma_horizontal);
   filter().apply(update);
-  corrected_ += earth::displacement_N(before, filter().estimate().position()).head<2>();
-  fix_noise_.add(fix.time_us, offset, fix.sigma_horizontal);
   if (fix.has_velocity) take_velocity(fix);
   ever_aided_ = true;
   aided_us_ = fix.time_us;
@@ -210,14 +209,18 @@ void Integrated::take_velocity(const samples::GpsFix& fix) {
   filter().apply(update);
 }
 
-void Integrated::know_heading_error(double error, double sigma) {
-  if (!guard_.running()) return;
-  const double own = math::wrap_pi(navigation_.heading - sahrs_.heading);
+/// Since then the heading has been corrected, and may have drifted by what the yaw gyro's bias is
+/// unknown by. A contradiction is the other reference's: it has just failed.
+void Integrated::know_heading_error(double error, double sigma, std::int64_t time_us) {
+  const std::optional<HeadingRecord::Entry> then = headings_.at(time_us);
+  if (!guard_.running() || !then) return;
+  const double corrected = filter().heading_corrections() - then->corrected;
+  const double drift = filter().yaw_bias_sigma() * seconds(now_us_ - time_us);
   Heading m;
-  m.innovation(0) = math::wrap_pi(error - own);
-  m.variance(0) = square(sigma);
-  filter().apply(
-      strapdown::SparseUpdate<strapdown::kGroundStates, Heading>(filter().covariance(), m));
+  m.innovation(0) = math::wrap_pi(error - then->ahead_of_sahrs - corrected);
+  m.variance(0) = square(sigma) + square(drift);
+  const HeadingUpdate update(filter().covariance(), m);
+  if (gate_.passes(update.normalised_square(), 1)) filter().apply(update);
 }
 
 bool Integrated::fresh(std::int64_t time_us) const {

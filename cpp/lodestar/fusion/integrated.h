@@ -6,6 +6,7 @@
 
 #include "lodestar/filter/gate.h"
 #include "lodestar/fusion/fix_noise.h"
+#include "lodestar/fusion/heading_record.h"
 #include "lodestar/fusion/integrated_parameters.h"
 #include "lodestar/fusion/reacquisition.h"
 #include "lodestar/samples/outputs.h"
@@ -48,8 +49,8 @@ class Integrated {
   samples::Use update(const samples::GpsFix& fix);
 
   /// What another reference, now lost, said of the heading of SAHRS: it is wrong by `error` (rad,
-  /// true - SAHRS) to `sigma` (rad).
-  void know_heading_error(double error, double sigma);
+  /// true - SAHRS) to `sigma` (rad), at `time_us`.
+  void know_heading_error(double error, double sigma, std::int64_t time_us);
 
   const samples::Navigation& navigation() const { return navigation_; }
 
@@ -67,6 +68,9 @@ class Integrated {
   void begin(const samples::Attitude& sahrs);
   void start_at(double lat, double lon, double sigma);
   PositionUpdate compare(const samples::GpsFix& fix, const strapdown::GroundPoint& at);
+  /// Of the latest fix from the track as it would be without any correction (m, north, east): what
+  /// corrections do to the position says nothing of the fixes.
+  Eigen::Vector2d offset() const { return innovation_ + filter().position_corrections(); }
   bool passes(PositionUpdate& update, bool has_height);
   void reset(const samples::GpsFix& fix, const strapdown::GroundPoint& at, bool passed);
   void yield_to_fixes();
@@ -87,13 +91,12 @@ class Integrated {
   std::int64_t now_us_ = 0;
   std::int64_t coasted_us_ = 0;
   std::int64_t sigma_us_ = 0;
-  samples::Attitude sahrs_;
+  HeadingRecord headings_;
   bool begun_ = false;       // once at least
   bool positioned_ = false;  // a position is known
   bool ever_aided_ = false;
   std::int64_t aided_us_ = 0;
-  Eigen::Vector2d corrected_ = Eigen::Vector2d::Zero();  // m, sum of all position corrections
-  double noise_ = 1.0;                                   // m^2, of the latest fix
+  double noise_ = 1.0;  // m^2, of the latest fix
   Eigen::Vector2d innovation_ = Eigen::Vector2d::Zero();
   Eigen::Vector2d innovation_sigma_ = Eigen::Vector2d::Zero();
   samples::Navigation navigation_;

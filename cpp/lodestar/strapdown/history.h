@@ -16,14 +16,18 @@ struct Corrections {
   Eigen::Vector3d velocity_N = Eigen::Vector3d::Zero();
   double height = 0.0;
   double baro_height = 0.0;
+  Eigen::Vector2d position = Eigen::Vector2d::Zero();  // m, north, east
+  double heading = 0.0;                                // rad, sum of all its corrections
 
   template <int N>
   void add(const Eigen::Matrix<double, N, 1>& x) {
     const Eigen::Quaterniond more = turn_of(part<3>(x, kAttitude));
     turn = (more * turn).normalized();
     velocity_N = more * velocity_N + part<3>(x, kVelocity);
+    heading += x(kAttitude.offset + 2);
     height += x(kHeight.offset);
     baro_height += x(kBaroHeight.offset);
+    if constexpr (kOverGround<N>) position += part<2>(x, kPosition);
   }
 };
 

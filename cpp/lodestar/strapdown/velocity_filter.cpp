@@ -134,7 +134,10 @@ Estimate StrapdownFilter<N>::estimate() const {
 
 template <int N>
 void StrapdownFilter<N>::forget_history() {
-  corrections_ = Corrections{};
+  Corrections none;  // but for the sums, which others follow
+  none.heading = corrections_.heading;
+  none.position = corrections_.position;
+  corrections_ = none;
   history_.clear();
   remember(force_B_, 0.0);
 }

@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <optional>
 
@@ -80,6 +81,17 @@ class StrapdownFilter {
   void displace(const Eigen::Vector2d& offset) { x_.displace(offset); }
   /// What was estimated at `time_us`, as far as it is known now; none before the last second.
   std::optional<GroundPoint> ground_at(std::int64_t time_us) const;
+  /// Sum of all that was corrected of the position since the start (m, north, east).
+  const Eigen::Vector2d& position_corrections() const { return corrections_.position; }
+  /// The same of the heading (rad).
+  double heading_corrections() const { return corrections_.heading; }
+  /// 1 sigma of the gyro bias about the vertical (rad/s).
+  double yaw_bias_sigma() const {
+    const Eigen::RowVector3d down_B = x_.C_NB.row(2);
+    const Eigen::Matrix3d P_B = P_.template block<3, 3>(kGyroBias.offset, kGyroBias.offset)
+                                    .template selfadjointView<Eigen::Lower>();
+    return std::sqrt(down_B * P_B * down_B.transpose());
+  }
   /// Takes in a measurement of gps_aid.h whose innovation was formed with the best estimate.
   template <class Measurement>
   void apply(const SparseUpdate<N, Measurement>& update) {

@@ -37,7 +37,9 @@ from lodestar.studies.sahrs import SERIES_S, chosen, describe
 
 Array = NDArray[np.float64]
 
-FILTERS: dict[str, Mapping[str, Any]] = {"cascade": {}}
+FILTERS: dict[str, Mapping[str, Any]] = {
+    name: {"fusion": {"filter": name}} for name in ("cascade", "integrated")
+}
 """Tables of the configuration by name of the filter."""
 
 DURATION_S = 1500.0
@@ -105,7 +107,7 @@ ERRORS = {"position": "m", "velocity": "m_s", "wind": "m_s", "heading": "deg"}
 CHANNELS = ("GPS",)
 
 _AIDING, _REACQUIRING = 1, 3  # NAV.mode
-_PROTECTION_LEVELS = ("hpl", "horizontal_protection_level")
+_PROTECTION_LEVEL = "horizontal_protection_level"
 
 
 @dataclass(frozen=True)
@@ -258,10 +260,7 @@ class Flown:
 
     def _beyond_hpl(self, rows: Rows) -> float:
         """Share of the time in which the position error is larger than the protection level."""
-        name = next((name for name in _PROTECTION_LEVELS if name in self.nav), None)
-        if name is None:
-            return nan
-        level, error = self.nav[name][rows], self.errors["position"][rows]
+        level, error = self.nav[_PROTECTION_LEVEL][rows], self.errors["position"][rows]
         stated = (level >= 0) & np.isfinite(error)
         return float(np.mean(error[stated] > level[stated])) if stated.any() else nan
 
