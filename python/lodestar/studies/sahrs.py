@@ -87,7 +87,8 @@ class Variant:
 
     def config(self) -> dict[str, Any]:
         """Tables of the configuration that make the variant."""
-        tables: dict[str, Any] = {"sahrs": {"form": self.form}}
+        # Of NAV only the place counts here, which the quicker filter knows as well.
+        tables: dict[str, Any] = {"sahrs": {"form": self.form}, "fusion": {"filter": "cascade"}}
         if self.calibrated:
             tables.setdefault(FORMS[self.form].section, {}).update(_CALIBRATED)
         return tables
