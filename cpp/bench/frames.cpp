@@ -16,6 +16,7 @@
 #include "lodestar/bus/log_reader.h"
 #include "lodestar/earth/geomagnetic_model.h"
 #include "lodestar/fusion/cascade.h"
+#include "lodestar/fusion/integrated.h"
 #include "lodestar/navigator/navigator.h"
 #include "lodestar/sahrs/paper_sahrs.h"
 #include "lodestar/sahrs/velocity_sahrs.h"
@@ -50,8 +51,15 @@ const Flight& flight() {
   return loaded;
 }
 
+template <samples::FusionFilter filter>
 struct WholeNavigator {
-  navigator::Navigator navigator{navigator::Config{}};
+  navigator::Navigator navigator{config()};
+
+  static navigator::Config config() {
+    navigator::Config config;
+    config.fusion.filter = filter;
+    return config;
+  }
 
   void take(samples::Reason) {}
   void take(const samples::BodyRates& s) { benchmark::DoNotOptimize(navigator.step(s)); }
@@ -156,6 +164,31 @@ struct CascadeAlone {
   }
 };
 
+/// The integrated filter alone: predict, and what has come with the frame.
+struct IntegratedAlone {
+  const std::vector<SensorFrame>& frames = sensor_frames();
+  const std::vector<samples::Attitude>& sahrs = attitudes();
+  fusion::Integrated integrated = made();
+
+  static fusion::Integrated made() {
+    const navigator::Config c;
+    fusion::Integrated one(c.integrated, c.strapdown, sahrs::guard_limits(c.sahrs),
+                           c.earth.geomagnetic_model, c.earth.epoch_year);
+    one.set_position(c.initial.lat, c.initial.lon, c.initial.h);
+    return one;
+  }
+  void fly(std::size_t i) {
+    const SensorFrame& frame = frames[i];
+    integrated.propagate(frame.rates);
+    if (frame.load) integrated.update(*frame.load);
+    if (frame.field) integrated.update(*frame.field);
+    if (frame.air) integrated.update(*frame.air);
+    integrated.follow(sahrs[i]);
+    if (frame.fix) integrated.update(*frame.fix);
+    benchmark::DoNotOptimize(integrated.navigation());
+  }
+};
+
 /// Runs `Estimator` over the flight, again and again from the start; one iteration is one frame.
 template <class Estimator>
 void one_frame(benchmark::State& state) {
@@ -183,13 +216,19 @@ void geomagnetic_evaluation(benchmark::State& state) {
   }
 }
 
-BENCHMARK(one_frame<WholeNavigator>)->Name("navigator_frame")->Unit(benchmark::kMicrosecond);
+BENCHMARK(one_frame<WholeNavigator<samples::FusionFilter::kIntegrated>>)
+    ->Name("navigator_frame")
+    ->Unit(benchmark::kMicrosecond);
+BENCHMARK(one_frame<WholeNavigator<samples::FusionFilter::kCascade>>)
+    ->Name("navigator_cascade_frame")
+    ->Unit(benchmark::kMicrosecond);
 BENCHMARK(one_frame<SahrsAlone<sahrs::PaperSahrs>>)
     ->Name("sahrs_paper_step")
     ->Unit(benchmark::kMicrosecond);
 BENCHMARK(one_frame<SahrsAlone<sahrs::VelocitySahrs>>)
     ->Name("sahrs_step")
     ->Unit(benchmark::kMicrosecond);
+BENCHMARK(one_frame<IntegratedAlone>)->Name("integrated_step")->Unit(benchmark::kMicrosecond);
 BENCHMARK(one_frame<CascadeAlone>)->Name("cascade_step")->Unit(benchmark::kMicrosecond);
 BENCHMARK(geomagnetic_evaluation)->Name("geomagnetic_evaluation")->Unit(benchmark::kMicrosecond);
 

@@ -91,7 +91,7 @@ def test_fly_prints_one_object_of_the_score(run_folder):
     assert summary["realtime_factor"] > 0
     rows = rows_of(summary)
     assert rows["sahrs", "roll_rmse_deg"] < 2.0
-    assert ("cascade", "position_rmse_m") in rows
+    assert ("integrated", "position_rmse_m") in rows
 
 
 def test_fly_leaves_log_configuration_score_report_and_plots(run_folder):

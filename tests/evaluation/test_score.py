@@ -52,14 +52,14 @@ def test_recovers_the_errors_that_were_put_in(flown):
         ("sahrs", "pitch_rmse_deg"): 0.5,
         ("sahrs", "pitch_max_deg"): 0.5,
         ("sahrs", "heading_rmse_deg"): 3.0 * wave_rms,
-        ("cascade", "roll_rmse_deg"): 0.25,
-        ("cascade", "pitch_rmse_deg"): 0.5,
-        ("cascade", "heading_rmse_deg"): 1.0 * wave_rms,
-        ("cascade", "position_rmse_m"): 5.0,
-        ("cascade", "position_max_m"): 5.0,
-        ("cascade", "position_final_m"): 5.0,
-        ("cascade", "wind_north_rmse_m_s"): 0.5,
-        ("cascade", "wind_east_rmse_m_s"): 1.5,
+        ("integrated", "roll_rmse_deg"): 0.25,
+        ("integrated", "pitch_rmse_deg"): 0.5,
+        ("integrated", "heading_rmse_deg"): 1.0 * wave_rms,
+        ("integrated", "position_rmse_m"): 5.0,
+        ("integrated", "position_max_m"): 5.0,
+        ("integrated", "position_final_m"): 5.0,
+        ("integrated", "wind_north_rmse_m_s"): 0.5,
+        ("integrated", "wind_east_rmse_m_s"): 1.5,
         ("dead-reckoning", "wind_north_rmse_m_s"): 6.0,
         ("dead-reckoning", "wind_east_rmse_m_s"): 7.0,
     }
@@ -70,16 +70,16 @@ def test_recovers_the_errors_that_were_put_in(flown):
 
 
 def test_coverage_is_the_share_within_sigma(flown):
-    assert flown.value("cascade", "coverage_1sigma_position_north") == 1.0
-    assert flown.value("cascade", "coverage_1sigma_position_east") == 0.0
-    assert flown.value("cascade", "coverage_2sigma_position_east") == 1.0
-    assert flown.value("cascade", "coverage_1sigma_wind_north") == 1.0
-    assert flown.value("cascade", "coverage_1sigma_wind_east") == 0.0
-    assert flown.value("cascade", "coverage_1sigma_roll") == 1.0
+    assert flown.value("integrated", "coverage_1sigma_position_north") == 1.0
+    assert flown.value("integrated", "coverage_1sigma_position_east") == 0.0
+    assert flown.value("integrated", "coverage_2sigma_position_east") == 1.0
+    assert flown.value("integrated", "coverage_1sigma_wind_north") == 1.0
+    assert flown.value("integrated", "coverage_1sigma_wind_east") == 0.0
+    assert flown.value("integrated", "coverage_1sigma_roll") == 1.0
     # |sin| < 0.6 for asin(0.6) / 90 deg of the time.
     share = np.arcsin(0.6) / (np.pi / 2)
-    assert flown.value("cascade", "coverage_1sigma_heading") == pytest.approx(share, abs=0.01)
-    assert flown.value("cascade", "coverage_2sigma_heading") == 1.0
+    assert flown.value("integrated", "coverage_1sigma_heading") == pytest.approx(share, abs=0.01)
+    assert flown.value("integrated", "coverage_2sigma_heading") == 1.0
 
 
 def test_rotation_about_the_body_axes_is_covered_by_the_published_sigma(synthetic):
@@ -117,9 +117,9 @@ def test_rows_of_a_gps_loss_give_the_error_at_its_end(flown):
     assert gap.duration_s == 40.0
     case = loss_case("ordinary", gap)
     assert case == "ordinary/gps-loss-40s-at-60s"
-    assert flown.value("cascade", "position_final_m", case) == pytest.approx(5.0, rel=1e-7)
+    assert flown.value("integrated", "position_final_m", case) == pytest.approx(5.0, rel=1e-7)
     rows = [row for row in flown.rows if row["case"] == case]
-    assert [row["estimator"] for row in rows] == ["cascade", "dead-reckoning"]
+    assert [row["estimator"] for row in rows] == ["integrated", "dead-reckoning"]
     # It grows by wind times 40 s less the last frame, and a little by the heading error.
     assert rows[1]["value"] == pytest.approx(39.9 * np.hypot(6.0, 7.0), rel=0.2)
 
@@ -128,10 +128,10 @@ def test_limits_and_published_figures_stand_in_their_rows_alone(flown):
     by_name = {(row["estimator"], row["metric"]): row for row in flown.rows}
     assert by_name["sahrs", "heading_rmse_deg"]["limit"] == 5.0
     assert by_name["sahrs", "heading_rmse_deg"]["reference"] == 3.46
-    assert by_name["cascade", "heading_rmse_deg"]["reference"] == 0.72
-    assert by_name["cascade", "wind_east_rmse_m_s"]["reference"] == 1.33
-    assert "limit" not in by_name["cascade", "heading_rmse_deg"]
-    assert "reference" not in by_name["cascade", "position_rmse_m"]
+    assert by_name["integrated", "heading_rmse_deg"]["reference"] == 0.72
+    assert by_name["integrated", "wind_east_rmse_m_s"]["reference"] == 1.33
+    assert "limit" not in by_name["integrated", "heading_rmse_deg"]
+    assert "reference" not in by_name["integrated", "position_rmse_m"]
     assert flown.passed
     assert flown.failures == []
 
@@ -232,8 +232,8 @@ def test_the_ins_is_the_reference_where_there_is_no_truth_and_while_it_is_valid(
     flown = score(flight, case="flight")
     assert flown.comparison.reference == "INS"
     assert flown.value("sahrs", "roll_rmse_deg") == pytest.approx(9.0, rel=1e-7)
-    assert flown.value("cascade", "position_rmse_m") == pytest.approx(50.0, rel=1e-6)
-    assert flown.value("cascade", "wind_north_rmse_m_s") is None
+    assert flown.value("integrated", "position_rmse_m") == pytest.approx(50.0, rel=1e-6)
+    assert flown.value("integrated", "wind_north_rmse_m_s") is None
     assert flown.passed
     assert not any("limit" in row for row in flown.rows)
 
@@ -267,7 +267,7 @@ def test_without_valid_sahrs_the_flight_fails(synthetic):
     nav = synthetic.nav(truth, 3.0, 4.0, (0.0, 0.0, 0.0), (1.0, 1.0, 0.0), (1.0, 1.0, 1.0))
     flown = score(synthetic.recording({"TRUTH": truth, "NAV": nav}), case="x")
     assert flown.failures == ["SAHRS gave no valid attitude while TRUTH was there"]
-    assert flown.value("cascade", "position_rmse_m") == pytest.approx(5.0, rel=1e-6)
+    assert flown.value("integrated", "position_rmse_m") == pytest.approx(5.0, rel=1e-6)
 
 
 def test_without_reference_there_is_no_score(synthetic):

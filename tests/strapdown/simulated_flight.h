@@ -27,6 +27,7 @@ struct SensorErrors {
   double baro_noise = 0.0;  // m
   double gust_sigma = 0.0;  // m/s, Gauss-Markov of 2.8 s per body axis
   double baro_lag = 0.3;    // s
+  double gps_noise = 0.0;   // m
 
   /// A fighter's, as drawn for one flight.
   static SensorErrors fighter(std::mt19937& generator) {
@@ -47,6 +48,7 @@ struct SensorErrors {
     e.flow_noise = 0.1 * math::kDegree;
     e.flow_bias = vector(0.3 * math::kDegree).head<2>();
     e.baro_noise = 0.5;
+    e.gps_noise = 1.0;
     return e;
   }
 };
@@ -59,8 +61,13 @@ class SimulatedFlight {
   static constexpr double kInterval = 1.0 / 60.0;
 
   SimulatedFlight(double roll, double swing, double heading, const SensorErrors& errors,
-                  std::uint32_t seed)
-      : roll_(roll), swing_(swing), track_(heading), errors_(errors), generator_(seed) {
+                  std::uint32_t seed, const Eigen::Vector2d& wind = Eigen::Vector2d::Zero())
+      : roll_(roll),
+        swing_(swing),
+        track_(heading),
+        errors_(errors),
+        generator_(seed),
+        wind_N_(wind.x(), wind.y(), 0.0) {
     C_NB_ = attitude(0.0, track_);
     baro_ = kHeight;
   }
@@ -103,11 +110,26 @@ class SimulatedFlight {
     return s;
   }
 
+  /// Where it is; height above the ellipsoid.
+  const earth::Geodetic& position() const { return position_; }
+  Eigen::Vector3d v_N() const { return v_N(track_) + wind_N_; }
+  samples::GpsFix fix() {
+    const earth::Geodetic seen = earth::displaced(position_, noise(errors_.gps_noise));
+    samples::GpsFix s;
+    s.time_us = time_us();
+    s.lat = seen.lat;
+    s.lon = seen.lon;
+    s.h = seen.h;
+    return s;
+  }
+
   void advance() {
+    const Eigen::Vector3d v_before = v_N();
     ++step_;
     const double before = now() - kInterval;
     track_ += kInterval * turn_rate(before + 0.5 * kInterval);
     C_NB_ = attitude(now(), track_);
+    position_ = earth::displaced(position_, 0.5 * kInterval * (v_before + v_N()));
     const double decay = std::exp(-kInterval / 2.8);
     gust_B_ = decay * gust_B_ + noise(errors_.gust_sigma * std::sqrt(1.0 - decay * decay));
   }
@@ -129,9 +151,7 @@ class SimulatedFlight {
     return kAirspeed * Eigen::Vector3d(std::cos(track), std::sin(track), 0.0);
   }
   static Eigen::Vector3d earth_rate() { return earth::earth_rate_N(kLat); }
-  Eigen::Vector3d transport_rate() const {
-    return earth::transport_rate_N(kLat, kHeight, v_N(track_));
-  }
+  Eigen::Vector3d transport_rate() const { return earth::transport_rate_N(kLat, kHeight, v_N()); }
 
   /// omega_NB from the attitude a moment later and earlier, and the turn of N itself.
   Eigen::Vector3d omega_at(double t) const {
@@ -149,7 +169,7 @@ class SimulatedFlight {
     const Eigen::Vector3d acceleration = turn_rate(now()) * Eigen::Vector3d(-v.y(), v.x(), 0.0);
     const Eigen::Vector3d gravity(0.0, 0.0, earth::gravity(kLat, kHeight));
     return C_NB_.transpose() *
-           (acceleration + (2.0 * earth_rate() + transport_rate()).cross(v) - gravity);
+           (acceleration + (2.0 * earth_rate() + transport_rate()).cross(v_N()) - gravity);
   }
   Eigen::Vector3d noise(double sigma) {
     if (sigma == 0.0) return Eigen::Vector3d::Zero();
@@ -166,6 +186,8 @@ class SimulatedFlight {
   Eigen::Matrix3d C_NB_;
   Eigen::Vector3d gust_B_ = Eigen::Vector3d::Zero();
   double baro_ = 0.0;
+  Eigen::Vector3d wind_N_;
+  earth::Geodetic position_{kLat, 0.3, kHeight};
 };
 
 }  // namespace lodestar::strapdown

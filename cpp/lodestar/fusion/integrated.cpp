@@ -122,6 +122,7 @@ Use Integrated::update(const samples::GpsFix& fix) {
   if (!guard_.running() || !filter().has_velocity()) return Use::kHeld;
   std::optional<GroundPoint> at = filter().ground_at(fix.time_us);
   if (!at) return Use::kHeld;
+  if (fix_motion_.stands_still(fix, at->air_velocity_N.head<2>())) return Use::kGated;
   if (!positioned_) {
     const Eigen::Vector2d since = at->delay.age * at->v_N;
     const earth::Geodetic here =

@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "lodestar/filter/gate.h"
+#include "lodestar/fusion/fix_motion.h"
 #include "lodestar/fusion/fix_noise.h"
 #include "lodestar/fusion/heading_record.h"
 #include "lodestar/fusion/integrated_parameters.h"
@@ -84,6 +85,7 @@ class Integrated {
 
   IntegratedParameters parameters_;
   filter::Gate gate_;
+  FixMotion fix_motion_;
   FixNoise fix_noise_;
   Reacquisition reacquisition_;
   strapdown::GuardedFilter<strapdown::kGroundStates> guard_;

@@ -26,6 +26,9 @@ STEEPEST_PITCH = np.deg2rad(80.0)
 GPS_LOSS_US = 3_000_000
 _LONGEST_REFERENCE_GAP_US = 200_000
 
+FUSION_FILTERS = ("integrated", "cascade")
+"""By the number that HEALTH gives them."""
+
 
 @dataclass(frozen=True)
 class Reference:
@@ -78,6 +81,8 @@ class Comparison:
     sahrs: Estimates | None
     nav: Estimates | None
     dead_reckoning: Estimates | None
+    filter: str
+    """What gave NAV: one of FUSION_FILTERS."""
     gps_losses: list[Gap] = field(default_factory=list)
 
 
@@ -99,8 +104,16 @@ def compare(recording: Recording) -> Comparison:
         sahrs=compare_sahrs(recording, name) if _has(recording, "SAHRS") else None,
         nav=compare_nav(recording, name) if _has(recording, "NAV") else None,
         dead_reckoning=_dead_reckoning(recording, name),
+        filter=fusion_filter(recording),
         gps_losses=losses,
     )
+
+
+def fusion_filter(recording: Recording) -> str:
+    """What gave NAV, as HEALTH says; the default where there is none."""
+    if not _has(recording, "HEALTH"):
+        return FUSION_FILTERS[0]
+    return FUSION_FILTERS[int(recording["HEALTH"]["fusion_filter"][-1])]
 
 
 def _has(recording: Recording, channel: str) -> bool:

@@ -98,5 +98,7 @@ def published(case: str, estimator: str, metric: str) -> float | None:
     if quantity is None or case not in THESIS:
         return None
     before, after = THESIS[case][quantity]
+    if estimator in ("cascade", "integrated"):
+        return after
     # Its wind before correction is no figure of SAHRS.
-    return {"cascade": after, "sahrs": before if quantity == "heading" else None}.get(estimator)
+    return before if estimator == "sahrs" and quantity == "heading" else None

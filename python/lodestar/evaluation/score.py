@@ -106,7 +106,7 @@ def _figures(comparison: Comparison) -> Iterator[tuple[str, str, float]]:
     """(estimator, metric, value) of the whole flight."""
     for estimator, estimates in (
         ("sahrs", comparison.sahrs),
-        ("cascade", comparison.nav),
+        (comparison.filter, comparison.nav),
         ("dead-reckoning", comparison.dead_reckoning),
     ):
         if estimates is None:
@@ -160,7 +160,7 @@ def _coverage_figures(estimates: Estimates) -> Iterator[tuple[str, float]]:
 def _loss_rows(case: str, comparison: Comparison, gap: Gap) -> Iterator[Row]:
     """Position error at the end of a loss; of dead reckoning, what it grew by since the start."""
     for estimator, estimates in (
-        ("cascade", comparison.nav),
+        (comparison.filter, comparison.nav),
         ("dead-reckoning", comparison.dead_reckoning),
     ):
         if estimates is None or estimates.position is None:
@@ -170,7 +170,7 @@ def _loss_rows(case: str, comparison: Comparison, gap: Gap) -> Iterator[Row]:
         last = int(np.searchsorted(time_us, gap.end_us)) - 1
         if not 0 <= start <= last:
             continue
-        end = error[last] if estimator == "cascade" else error[last] - error[start]
+        end = error[last] if estimator == comparison.filter else error[last] - error[start]
         if not np.isnan(end).any():
             yield {
                 "case": loss_case(case, gap),

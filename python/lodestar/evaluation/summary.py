@@ -102,7 +102,7 @@ def error_table(score: Score) -> Table:
         cells = [
             figures.get((score.case, estimator, metric))
             for metric in (rmse, largest)
-            for estimator in (before, "cascade")
+            for estimator in (before, score.comparison.filter)
         ]
         if not any(cells):
             continue
@@ -158,7 +158,7 @@ def loss_table(score: Score) -> Table | None:
                 ]
                 if value is not None
             ]
-            for estimator in ("cascade", "dead-reckoning")
+            for estimator in (score.comparison.filter, "dead-reckoning")
         }
         if len(gaps) > _SINGLE_LOSSES:
             when = f"{len(gaps)} times"
@@ -190,7 +190,9 @@ def _coverage(score: Score, stem: str, multiple: int) -> str:
     """Share within sigma of a quantity after correction; of position, over both axes."""
     quantity = stem.split("_{}")[0]
     axes = [f"{quantity}_north", f"{quantity}_east"] if quantity == "position" else [quantity]
-    shares = [score.value("cascade", f"coverage_{multiple}sigma_{axis}") for axis in axes]
+    shares = [
+        score.value(score.comparison.filter, f"coverage_{multiple}sigma_{axis}") for axis in axes
+    ]
     known = [share for share in shares if share is not None]
     return _percent(float(np.mean(known))) if known else NONE
 

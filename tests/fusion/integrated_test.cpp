@@ -1,0 +1,316 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "lodestar/fusion/integrated.h"
+
+#include <gtest/gtest.h>
+
+#include <deque>
+#include <functional>
+#include <memory>
+
+#include "../strapdown/simulated_flight.h"
+
+namespace lodestar::fusion {
+namespace {
+
+using math::kDegree;
+using samples::FusionMode;
+using strapdown::SensorErrors;
+using strapdown::SimulatedFlight;
+
+const Eigen::Vector2d kWind(8.0, -5.0);
+
+/// The filter on a flight: field and air data with every second frame, a fix a second.
+class Flown {
+ public:
+  Flown(const SensorErrors& errors, std::uint32_t seed, double heading_error = 0.0,
+        double heading_sigma = 0.1 * kDegree, const strapdown::Parameters& sensors = {},
+        const IntegratedParameters& parameters = {})
+      : flight_(0.0, 35.0 * kDegree, 0.4 * seed, errors, seed + 1000, kWind),
+        filter_(std::make_unique<Integrated>(parameters, sensors,
+                                             strapdown::GuardLimits{60.0, 0.01, 0.1},
+                                             earth::GeomagneticKind::kIgrf14, 2026.5)) {
+    error_ = math::exp_so3(Eigen::Vector3d(0.0, 0.0, heading_error));
+    sahrs_.P_B =
+        Eigen::Vector3d(0.1 * kDegree, 0.1 * kDegree, heading_sigma).cwiseAbs2().asDiagonal();
+    sahrs_.mode = samples::AttitudeMode::kRunning;
+    sahrs_.valid = true;
+    place();
+  }
+
+  void fly(double seconds) {
+    const int frames = static_cast<int>(std::lround(60.0 * seconds));
+    for (int i = 0; i < frames; ++i, ++frame_) {
+      if (!silent) fly_frame();
+      flight_.advance();
+    }
+  }
+
+  const samples::Navigation& nav() const { return filter_->navigation(); }
+  Integrated& filter() { return *filter_; }
+  Eigen::Vector2d position_error() const {
+    const earth::Geodetic estimated{nav().lat, nav().lon, flight_.position().h};
+    return earth::displacement_N(flight_before_, estimated).head<2>();
+  }
+  double heading_error() const {
+    return math::wrap_pi(nav().heading - math::euler_from_C_NB(C_NB_before_).heading);
+  }
+  double sahrs_heading() const {
+    return math::euler_from_C_NB(sahrs_.q_NB.toRotationMatrix()).heading;
+  }
+  Eigen::Vector2d wind_error() const { return nav().wind_N.head<2>() - kWind; }
+
+  bool silent = false;  // no body rates
+  bool with_gps = true;
+  std::size_t latency_frames = 0;
+  std::function<void(samples::GpsFix&)> spoil = [](samples::GpsFix&) {};
+  samples::Use last_use = samples::Use::kHeld;
+  int used = 0;
+
+ private:
+  void place() {
+    const earth::Geodetic& at = flight_.position();
+    filter_->set_position(at.lat, at.lon, at.h);
+  }
+
+  void fly_frame() {
+    filter_->propagate(flight_.rates());
+    filter_->update(flight_.load_factor());
+    if (frame_ % 2 == 0) {
+      samples::MagneticField field = flight_.field();
+      field.b_B += flight_.C_NB().transpose() * (filter_field() - SimulatedFlight::field_N());
+      filter_->update(field);
+      filter_->update(flight_.air_data());
+    }
+    sahrs_.q_NB = Eigen::Quaterniond(error_ * flight_.C_NB());
+    filter_->follow(sahrs_);
+    if (frame_ % 60 == 30 && with_gps) fixes_.push_back({flight_.fix(), frame_ + latency_frames});
+    if (!fixes_.empty() && fixes_.front().second <= frame_) {
+      samples::GpsFix fix = fixes_.front().first;
+      fixes_.pop_front();
+      spoil(fix);
+      last_use = filter_->update(fix);
+      if (last_use == samples::Use::kUsed) ++used;
+    }
+    flight_before_ = flight_.position();
+    C_NB_before_ = flight_.C_NB();
+  }
+
+  /// The model's field where the filter was placed: the flight's is another.
+  static Eigen::Vector3d filter_field() {
+    static const Eigen::Vector3d b_N = [] {
+      earth::GeomagneticModel model(earth::GeomagneticKind::kIgrf14);
+      return Eigen::Vector3d(
+          model.field_N(SimulatedFlight::kLat, 0.3, SimulatedFlight::kHeight, 2026.5));
+    }();
+    return b_N;
+  }
+
+  SimulatedFlight flight_;
+  std::unique_ptr<Integrated> filter_;
+  samples::Attitude sahrs_;
+  Eigen::Matrix3d error_;  // of SAHRS, in N
+  std::deque<std::pair<samples::GpsFix, std::size_t>> fixes_;
+  std::size_t frame_ = 0;
+  earth::Geodetic flight_before_;
+  Eigen::Matrix3d C_NB_before_;
+};
+
+Flown fighter(std::uint32_t seed, double heading_sigma = 0.1 * kDegree) {
+  std::mt19937 generator(seed);
+  const SensorErrors errors = SensorErrors::fighter(generator);
+  std::normal_distribution<double> normal(0.0, heading_sigma);
+  return Flown(errors, seed, normal(generator), heading_sigma);
+}
+
+TEST(Integrated, WaitsForAFixAndThenHasAPosition) {
+  Flown run(SensorErrors{}, 1);
+  run.fly(0.4);
+  EXPECT_EQ(run.nav().mode, FusionMode::kWaiting);
+  EXPECT_FALSE(run.nav().valid);
+  EXPECT_EQ(run.nav().horizontal_protection_level, -1.0);
+  run.fly(0.2);
+  EXPECT_EQ(run.nav().mode, FusionMode::kAiding);
+  EXPECT_TRUE(run.nav().valid);
+  EXPECT_LT(run.position_error().norm(), 3.0);  // by then the unknown wind has blown for 0.1 s
+}
+
+TEST(Integrated, PerfectSensorsGiveWindHeadingAndPosition) {
+  Flown run(SensorErrors{}, 1);
+  run.fly(300.0);
+  EXPECT_LT(run.wind_error().norm(), 0.1);
+  EXPECT_LT(std::abs(run.heading_error()), 0.05 * kDegree);
+  EXPECT_LT(run.position_error().norm(), 0.3);
+  EXPECT_EQ(run.nav().reset_count, 0);
+}
+
+TEST(Integrated, TurnsTellTheHeadingThatTheStartDidNot) {
+  Flown run(SensorErrors{}, 2, 4.0 * kDegree, 3.0 * kDegree);
+  run.fly(200.0);
+  EXPECT_LT(std::abs(run.heading_error()), 0.5 * kDegree);
+  EXPECT_LT(run.wind_error().norm(), 0.5);
+}
+
+TEST(Integrated, ALateFixDoesWhatAPromptOneDoes) {
+  for (const std::size_t frames : {12u, 42u}) {
+    Flown prompt(SensorErrors{}, 3), late(SensorErrors{}, 3);
+    late.latency_frames = frames;
+    prompt.fly(120.0);
+    late.fly(120.0);
+    // The late one has one fix less.
+    EXPECT_LT((late.position_error() - prompt.position_error()).norm(), 0.3) << frames;
+    EXPECT_LT((late.wind_error() - prompt.wind_error()).norm(), 0.1) << frames;
+  }
+}
+
+/// A flight whose sensors err as the filter is told, and in no other way.
+Flown matched(std::uint32_t seed) {
+  strapdown::Parameters sensors;
+  sensors.gyro_drift.sigma = sensors.gyro_scale_sigma = sensors.gyro_misalignment_sigma = 0.0;
+  sensors.field_drift.sigma = sensors.field_matrix_sigma = 0.0;
+  sensors.airspeed_scale_sigma = sensors.flow_scale_sigma = 0.0;
+  sensors.wind_walk = sensors.wind_walk_min = sensors.wind_walk_max = 1e-3;
+  sensors.gust_sigma = sensors.gust_sigma_min = sensors.gust_sigma_max = 1e-3;
+  sensors.height_walk = 1e-3;
+  IntegratedParameters parameters;
+  parameters.ground.gps_error.sigma = 1e-3;
+  std::mt19937 generator(seed);
+  const SensorErrors errors = SensorErrors::fighter(generator);
+  std::normal_distribution<double> normal(0.0, 0.1 * kDegree);
+  return Flown(errors, seed, normal(generator), 0.1 * kDegree, sensors, parameters);
+}
+
+TEST(Integrated, SigmaCoversTheErrorOverManyFlights) {
+  constexpr std::uint32_t kFlights = 40;
+  double heading = 0.0, wind = 0.0, position = 0.0;
+  for (std::uint32_t seed = 1; seed <= kFlights; ++seed) {
+    Flown run = matched(seed);
+    run.fly(150.0);
+    const samples::Navigation& nav = run.nav();
+    heading += std::pow(run.heading_error() / nav.sigma_attitude.z(), 2);
+    wind += run.wind_error().cwiseQuotient(nav.sigma_wind).squaredNorm() / 2.0;
+    position += run.position_error().cwiseQuotient(nav.sigma_position.head<2>()).squaredNorm() / 2;
+    EXPECT_LT(run.position_error().norm(), nav.horizontal_protection_level);
+  }
+  // 99.8 % of such means lie within 0.46 to 1.84 (40 degrees of freedom), 0.60 to 1.56 (80).
+  EXPECT_GT(heading / kFlights, 0.46);
+  EXPECT_LT(heading / kFlights, 1.84);
+  EXPECT_GT(wind / kFlights, 0.60);
+  EXPECT_LT(wind / kFlights, 1.56);
+  EXPECT_GT(position / kFlights, 0.60);
+  EXPECT_LT(position / kFlights, 1.56);
+}
+
+TEST(Integrated, FliesOnWithoutGpsAndKnowsHowWell) {
+  Flown run = fighter(5);
+  run.fly(240.0);
+  run.with_gps = false;
+  run.fly(120.0);
+  EXPECT_EQ(run.nav().mode, FusionMode::kDeadReckoning);
+  EXPECT_TRUE(run.nav().valid);
+  EXPECT_NEAR(run.nav().gps_age, 120.0, 1.0);
+  const double sigma = run.nav().sigma_position.head<2>().norm();
+  EXPECT_LT(run.position_error().norm(), 3.0 * sigma);
+  EXPECT_LT(sigma, 100.0);
+  run.with_gps = true;
+  run.fly(10.0);
+  EXPECT_EQ(run.nav().mode, FusionMode::kAiding);
+  EXPECT_EQ(run.nav().reset_count, 1);
+  EXPECT_LT(run.position_error().norm(), 10.0);
+}
+
+TEST(Integrated, AJumpThatLastsIsBelievedWithinTenSecondsAndTold) {
+  Flown run = fighter(6);
+  run.fly(120.0);
+  run.spoil = [](samples::GpsFix& fix) { fix.lat += 500.0 / 6.4e6; };
+  run.fly(2.0);
+  EXPECT_EQ(run.last_use, samples::Use::kGated);
+  EXPECT_LT(run.position_error().norm(), 15.0);
+  run.fly(8.0);
+  EXPECT_EQ(run.nav().mode, FusionMode::kAiding);
+  EXPECT_EQ(run.nav().reset_count, 1);
+  EXPECT_NEAR(run.nav().reset_delta.x(), 500.0, 20.0);
+}
+
+TEST(Integrated, FixesThatScatterAreNotBelieved) {
+  Flown run = fighter(7);
+  run.fly(120.0);
+  std::mt19937 generator(1);
+  std::normal_distribution<double> wide(0.0, 300.0 / 6.4e6);
+  run.spoil = [&](samples::GpsFix& fix) { fix.lat += wide(generator); };
+  const int before = run.used;
+  run.fly(60.0);
+  EXPECT_LE(run.used - before, 2);  // one now and then lies where it should
+  EXPECT_LT(run.position_error().norm(), 60.0);
+}
+
+TEST(Integrated, AFixThatStandsStillIsNotTaken) {
+  Flown run = fighter(8);
+  run.fly(120.0);
+  samples::GpsFix frozen;
+  bool first = true;
+  run.spoil = [&](samples::GpsFix& fix) {
+    if (first) frozen = fix;
+    first = false;
+    fix.lat = frozen.lat;
+    fix.lon = frozen.lon;
+  };
+  run.fly(60.0);
+  EXPECT_EQ(run.last_use, samples::Use::kGated);
+  EXPECT_LT(run.position_error().norm(), 60.0);
+}
+
+TEST(Integrated, TakesTheHeadingOfAReferenceThatIsLost) {
+  Flown run = fighter(9, 3.0 * kDegree);
+  run.fly(20.0);
+  const double before = run.nav().sigma_attitude.z();
+  ASSERT_GT(before, 0.6 * kDegree);
+  const double true_heading = run.nav().heading - run.heading_error();
+  run.filter().know_heading_error(math::wrap_pi(true_heading - run.sahrs_heading()), 0.1 * kDegree,
+                                  20 * 1'000'000 - 1'000'000 / 60);
+  run.fly(0.2);
+  EXPECT_LT(std::abs(run.heading_error()), 0.4 * kDegree);
+  EXPECT_LT(run.nav().sigma_attitude.z(), 0.4 * before);
+}
+
+TEST(Integrated, AReferenceThatContradictsIsNotTaken) {
+  Flown run = fighter(10);
+  run.fly(200.0);
+  const double before = run.heading_error();
+  run.filter().know_heading_error(math::wrap_pi(run.nav().heading - run.sahrs_heading() + 0.1),
+                                  0.1 * kDegree, 199'000'000);
+  run.fly(0.1);
+  EXPECT_NEAR(run.heading_error(), before, 0.05 * kDegree);
+}
+
+TEST(Integrated, StartsAnewFromSahrsAfterALongGapInTheRates) {
+  Flown run = fighter(11);
+  run.fly(120.0);
+  run.silent = true;
+  run.fly(2.0);
+  run.silent = false;
+  run.fly(10.0);
+  EXPECT_GE(run.nav().reset_count, 1);
+  EXPECT_TRUE(run.nav().valid);
+  EXPECT_LT(run.position_error().norm(), 30.0);
+}
+
+TEST(Integrated, OutputMovesOnThroughAFrameWithoutRates) {
+  Flown run(SensorErrors{}, 12);
+  run.fly(60.0);
+  const samples::Navigation before = run.nav();
+  run.filter().coast(before.time_us + 1'000'000);
+  const earth::Geodetic from{before.lat, before.lon, before.h};
+  const earth::Geodetic to{run.nav().lat, run.nav().lon, run.nav().h};
+  EXPECT_LT((earth::displacement_N(from, to) - before.v_N).norm(), 0.01);
+}
+
+TEST(Integrated, SameInputSameBits) {
+  Flown one = fighter(13), other = fighter(13);
+  one.fly(30.0);
+  other.fly(30.0);
+  EXPECT_EQ(one.nav().lat, other.nav().lat);
+  EXPECT_EQ(one.nav().sigma_wind, other.nav().sigma_wind);
+}
+
+}  // namespace
+}  // namespace lodestar::fusion
