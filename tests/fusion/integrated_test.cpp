@@ -82,6 +82,7 @@ class Flown {
       filter_->update(flight_.air_data());
     }
     sahrs_.q_NB = Eigen::Quaterniond(error_ * flight_.C_NB());
+    sahrs_.heading = sahrs_heading();
     filter_->follow(sahrs_);
     if (frame_ % 60 == 30 && with_gps) fixes_.push_back({flight_.fix(), frame_ + latency_frames});
     if (!fixes_.empty() && fixes_.front().second <= frame_) {
