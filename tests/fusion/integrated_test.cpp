@@ -61,6 +61,8 @@ class Flown {
 
   bool silent = false;  // no body rates
   bool with_gps = true;
+  bool with_air = true;
+  bool with_field = true;
   std::size_t latency_frames = 0;
   std::function<void(samples::GpsFix&)> spoil = [](samples::GpsFix&) {};
   samples::Use last_use = samples::Use::kHeld;
@@ -78,8 +80,9 @@ class Flown {
     if (frame_ % 2 == 0) {
       samples::MagneticField field = flight_.field();
       field.b_B += flight_.C_NB().transpose() * (filter_field() - SimulatedFlight::field_N());
-      filter_->update(field);
-      filter_->update(flight_.air_data());
+      if (with_field) filter_->update(field);
+      const samples::AirData air = flight_.air_data();
+      if (with_air) filter_->update(air);
     }
     sahrs_.q_NB = Eigen::Quaterniond(error_ * flight_.C_NB());
     sahrs_.heading = sahrs_heading();
@@ -293,6 +296,19 @@ TEST(Integrated, StartsAnewFromSahrsAfterALongGapInTheRates) {
   EXPECT_GE(run.nav().reset_count, 1);
   EXPECT_TRUE(run.nav().valid);
   EXPECT_LT(run.position_error().norm(), 30.0);
+}
+
+TEST(Integrated, FliesOnWithoutAirDataAndWithoutTheField) {
+  for (const bool air : {true, false}) {
+    Flown run = fighter(14);
+    run.fly(200.0);
+    (air ? run.with_air : run.with_field) = false;
+    run.fly(120.0);
+    EXPECT_TRUE(run.nav().valid);
+    EXPECT_LT(run.position_error().norm(), 20.0) << (air ? "no air data" : "no field");
+    EXPECT_LT(std::abs(run.heading_error()), 3.0 * run.nav().sigma_attitude.z());
+    EXPECT_LT(std::abs(run.heading_error()), 2.0 * kDegree);
+  }
 }
 
 TEST(Integrated, OutputMovesOnThroughAFrameWithoutRates) {

@@ -19,9 +19,7 @@ using strapdown::GpsPosition;
 using strapdown::GpsVelocity;
 using strapdown::GroundPoint;
 
-constexpr double kUnknown = 1e4;        // m, position before the first fix
-constexpr double kFarthest = 20e3;      // m; a fix beyond this starts the position anew
-constexpr double kLargestScale = 20.0;  // of sigma, when fixes contradict the filter
+constexpr double kUnknown = 1e4;  // m, position before the first fix
 constexpr std::int64_t kSigmaStep_us = 100'000;
 
 // A risk of 1e-5 per hour, spread over the errors of an hour that are independent of each other
@@ -62,7 +60,7 @@ Integrated::Integrated(const IntegratedParameters& parameters,
       guard_(filter_parameters, limits, field_model, epoch_year, parameters.ground) {}
 
 void Integrated::propagate(const samples::BodyRates& rates) {
-  now_us_ = coasted_us_ = rates.time_us;
+  now_us_ = rates.time_us;
   guard_.propagate(rates);
 }
 
@@ -84,7 +82,7 @@ void Integrated::follow(const samples::Attitude& sahrs) {
 void Integrated::begin(const samples::Attitude& sahrs) {
   constexpr double kDrift = 0.1;  // of the way
   if (positioned_) {
-    const double gap = seconds(now_us_ - navigation_.time_us);
+    const double gap = seconds(now_us_ - flown_us_);
     const Eigen::Vector2d way = gap * navigation_.v_N.head<2>();
     const double drift = 1.0 + kDrift * way.norm();
     filter().displace(way);
@@ -239,6 +237,7 @@ void Integrated::refresh() {
   navigation_.time_us = now_us_;
   refresh_status();
   if (!guard_.running()) return;
+  flown_us_ = now_us_;
   if (now_us_ - sigma_us_ >= kSigmaStep_us) refresh_sigma();
   const strapdown::Estimate x = filter().estimate();
   const math::Euler euler = math::euler_from_C_NB(x.C_NB);

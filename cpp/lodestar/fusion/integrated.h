@@ -91,7 +91,7 @@ class Integrated {
   strapdown::GuardedFilter<strapdown::kGroundStates> guard_;
 
   std::int64_t now_us_ = 0;
-  std::int64_t coasted_us_ = 0;
+  std::int64_t flown_us_ = 0;  // the last frame with an attitude
   std::int64_t sigma_us_ = 0;
   HeadingRecord headings_;
   bool begun_ = false;       // once at least
