@@ -3,6 +3,7 @@
 
 #include <optional>
 
+#include "lodestar/fusion/gps_acceptance.h"
 #include "lodestar/math/gauss_markov.h"
 #include "lodestar/math/parameter.h"
 #include "lodestar/math/rotation.h"
@@ -21,7 +22,7 @@ inline constexpr const char* kAttitudeErrorNames[] = {"euler", "small_angle"};
 
 /// [fusion.cascade]: dead reckoning on SAHRS and air data, corrected by GPS. Time constants and the
 /// levels of wind and GPS error are those of Linköping thesis §3.3.3.
-struct CascadeParameters {
+struct CascadeParameters : GpsAcceptance {
   CovarianceForm covariance = CovarianceForm::kJoseph;
   Linearisation linearisation = Linearisation::kExtended;
   AttitudeError attitude_error = AttitudeError::kEuler;
@@ -59,19 +60,13 @@ struct CascadeParameters {
   math::GaussMarkov vertical_rate_error{1.2, 10.0};  // m/s, s
 
   // Acceptance of GPS.
-  double gps_false_rejection = 1e-5;      // -
   double wind_change_false_alarm = 3e-3;  // -
-  double gps_timeout = 5.0;               // s
-  double reacquisition_time = 3.0;        // s
 
   bool use_initial_heading = true;
 
   // What is known at the first frame: set by the navigator from [initial], not by a key here.
   std::optional<double> initial_heading;               // rad
   double initial_heading_sigma = 0.1 * math::kDegree;  // rad
-  std::optional<double> initial_lat;                   // rad
-  std::optional<double> initial_lon;                   // rad
-  double initial_position_sigma = 10.0;                // m
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
@@ -88,6 +83,9 @@ struct CascadeParameters {
     describe_heading_model(self, visit);
     describe_air_data(self, visit);
     describe_height(self, visit);
+    visit(self.wind_change_false_alarm,
+          {"wind_change_false_alarm", "-", 1e-12, 0.5,
+           "Probability, per fix, that a steady wind is taken for a changed one"});
     describe_acceptance(self, visit);
   }
 
@@ -164,20 +162,6 @@ struct CascadeParameters {
            "Error of the climb rate that attitude and air data give"});
     visit(self.vertical_rate_error.tau,
           {"vertical_rate_error_tau_s", "s", 0.1, 1e5, "Its time constant"});
-  }
-
-  template <class Self, class Visitor>
-  static void describe_acceptance(Self& self, Visitor&& visit) {
-    visit(self.gps_false_rejection,
-          {"gps_false_rejection", "-", 1e-12, 0.1, "Probability that the gate refuses a good fix"});
-    visit(self.wind_change_false_alarm,
-          {"wind_change_false_alarm", "-", 1e-12, 0.5,
-           "Probability, per fix, that a steady wind is taken for a changed one"});
-    visit(self.gps_timeout,
-          {"gps_timeout_s", "s", 0.5, 60.0, "Time without a used fix that makes GPS lost"});
-    visit(self.reacquisition_time,
-          {"reacquisition_time_s", "s", 0.0, 8.0,
-           "Time over which fixes must agree among themselves to be believed again"});
   }
 };
 

@@ -39,8 +39,7 @@ sahrs::smdu::CalibrationFilter make_calibration(const Config& config) {
                                         config.earth.geomagnetic_model, config.earth.epoch_year);
 }
 
-template <class Parameters>
-void set_initial_position(Parameters& parameters, const InitialParameters& initial) {
+void set_initial_position(fusion::GpsAcceptance& parameters, const InitialParameters& initial) {
   if (!initial.position_sigma) return;
   parameters.initial_lat = initial.lat;
   parameters.initial_lon = initial.lon;
