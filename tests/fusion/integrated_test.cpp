@@ -6,6 +6,7 @@
 #include <deque>
 #include <functional>
 #include <memory>
+#include <utility>
 
 #include "../strapdown/simulated_flight.h"
 
@@ -24,8 +25,8 @@ class Flown {
  public:
   Flown(const SensorErrors& errors, std::uint32_t seed, double heading_error = 0.0,
         double heading_sigma = 0.1 * kDegree, const strapdown::Parameters& sensors = {},
-        const IntegratedParameters& parameters = {})
-      : flight_(0.0, 35.0 * kDegree, 0.4 * seed, errors, seed + 1000, kWind),
+        const IntegratedParameters& parameters = {}, double swing = 35.0 * kDegree)
+      : flight_(0.0, swing, 0.4 * seed, errors, seed + 1000, kWind),
         filter_(std::make_unique<Integrated>(parameters, sensors,
                                              strapdown::GuardLimits{60.0, 0.01, 0.1},
                                              earth::GeomagneticKind::kIgrf14, 2026.5)) {
@@ -63,6 +64,7 @@ class Flown {
   bool with_gps = true;
   bool with_air = true;
   bool with_field = true;
+  double airspeed_error = 0.0;  // m/s
   std::size_t latency_frames = 0;
   std::function<void(samples::GpsFix&)> spoil = [](samples::GpsFix&) {};
   samples::Use last_use = samples::Use::kHeld;
@@ -81,7 +83,8 @@ class Flown {
       samples::MagneticField field = flight_.field();
       field.b_B += flight_.C_NB().transpose() * (filter_field() - SimulatedFlight::field_N());
       if (with_field) filter_->update(field);
-      const samples::AirData air = flight_.air_data();
+      samples::AirData air = flight_.air_data();
+      air.true_airspeed += airspeed_error;
       if (with_air) filter_->update(air);
     }
     sahrs_.q_NB = Eigen::Quaterniond(error_ * flight_.C_NB());
@@ -309,6 +312,48 @@ TEST(Integrated, FliesOnWithoutAirDataAndWithoutTheField) {
     EXPECT_LT(std::abs(run.heading_error()), 3.0 * run.nav().sigma_attitude.z());
     EXPECT_LT(std::abs(run.heading_error()), 2.0 * kDegree);
   }
+}
+
+TEST(Integrated, LongStraightFlightSpoilsNeitherWindNorAirspeed) {
+  constexpr std::uint32_t kFlights = 10;
+  double wind = 0.0, scale = 0.0;
+  for (std::uint32_t seed = 1; seed <= kFlights; ++seed) {
+    std::mt19937 generator(seed);
+    Flown run(SensorErrors::fighter(generator), seed, 0.0, 0.1 * kDegree, {}, {}, 0.0);
+    run.fly(400.0);
+    const strapdown::GroundFilter& filter = std::as_const(run.filter()).filter();
+    wind += run.wind_error().cwiseQuotient(run.nav().sigma_wind).squaredNorm() / 2.0;
+    const int row = strapdown::kAirspeedScale.offset;
+    scale += std::pow(filter.estimate().airspeed_scale, 2) / filter.covariance()(row, row);
+  }
+  EXPECT_LT(wind / kFlights, 1.7);   // of 20 degrees of freedom: 97 %
+  EXPECT_LT(scale / kFlights, 1.0);  // there is none, and nothing tells it
+}
+
+TEST(Integrated, ABadStartMakesNoAbsurdWind) {
+  for (std::uint32_t seed = 1; seed <= 5; ++seed) {
+    Flown run = fighter(seed, 5.0 * kDegree);
+    run.fly(3.0);
+    for (int i = 0; i < 100; ++i) {
+      run.fly(1.0);
+      ASSERT_LT(run.nav().wind_N.norm(), 40.0) << "seed " << seed << ", " << i << " s";
+    }
+  }
+}
+
+TEST(Integrated, APitotThatIcesUpSpoilsNeitherPositionNorHeading) {
+  Flown run = fighter(15);
+  run.fly(200.0);
+  for (int i = 0; i < 60; ++i) {
+    run.airspeed_error -= 0.5;
+    run.fly(1.0);
+  }
+  EXPECT_LT(run.position_error().norm(), 20.0);
+  EXPECT_LT(std::abs(run.heading_error()), 3.0 * kDegree);
+  run.airspeed_error = 0.0;
+  run.fly(120.0);
+  EXPECT_LT(std::abs(run.heading_error()), 1.0 * kDegree);
+  EXPECT_LT(run.wind_error().norm(), 3.0);
 }
 
 TEST(Integrated, OutputMovesOnThroughAFrameWithoutRates) {
