@@ -64,7 +64,8 @@ TEST(Config, AnUnknownSectionIsNamed) {
   EXPECT_EQ(text.substr(0, text.find(';')), "own.toml:1: earht: unknown key");
   EXPECT_NE(text.find("earth, fusion, initial"), std::string::npos) << text;
   const std::string child = complaint("[fusion.casade]\nx = 1\n");
-  EXPECT_EQ(child, "own.toml:1: fusion.casade: unknown key; allowed here: cascade, filter, integrated");
+  EXPECT_EQ(child,
+            "own.toml:1: fusion.casade: unknown key; allowed here: cascade, filter, integrated");
 }
 
 TEST(Config, AValueOutOfRangeIsNamedWithItsRange) {
