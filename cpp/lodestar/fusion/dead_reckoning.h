@@ -10,6 +10,7 @@
 #include "lodestar/math/rotation.h"
 #include "lodestar/samples/outputs.h"
 #include "lodestar/samples/samples.h"
+#include "lodestar/strapdown/air_data_aid.h"
 
 namespace lodestar::fusion {
 
@@ -17,12 +18,7 @@ inline double seconds(std::int64_t microseconds) {
   return 1e-6 * static_cast<double>(microseconds);
 }
 
-/// Velocity relative to the air (m/s, in B).
-inline Eigen::Vector3d air_velocity_B(const samples::AirData& air) {
-  const double cos_beta = std::cos(air.beta);
-  return air.true_airspeed * Eigen::Vector3d(std::cos(air.alpha) * cos_beta, std::sin(air.beta),
-                                             std::sin(air.alpha) * cos_beta);
-}
+using strapdown::air_velocity_B;
 
 /// One instant of dead reckoning: what SAHRS and the air data say, and where that leads.
 struct TrackPoint {

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <type_traits>
 
 #include "lodestar/math/rotation.h"
+#include "lodestar/strapdown/history.h"
 #include "lodestar/strapdown/state.h"
 
 namespace lodestar::strapdown {
@@ -16,6 +18,19 @@ struct Delay {
   Eigen::Matrix3d C_NB = Eigen::Matrix3d::Identity();        // mean since then
   Eigen::Vector3d air_velocity_N = Eigen::Vector3d::Zero();  // m/s, then
 };
+
+/// From `then` to `now`, `age` (s) later, under `gravity` (m/s^2).
+inline Delay delay_since(const Moment& then, const Estimate& now, double age, double gravity) {
+  Delay delay;
+  delay.age = age;
+  delay.gravity = gravity;
+  const Eigen::Matrix3d C_then = then.q_NB.toRotationMatrix();
+  delay.C_NB = 0.5 * (C_then + now.C_NB);
+  delay.omega_B =
+      math::log_quaternion(then.q_NB.conjugate() * now.q_NB) / std::max(delay.age, 1e-3);
+  delay.air_velocity_N = then.air_velocity_N;
+  return delay;
+}
 
 /// A measurement of some time ago, in terms of the errors of now:
 ///     phi(then) = phi + age C (gyro_bias + gyro_matrix omega)

@@ -70,6 +70,17 @@ struct Moment {
   }
 };
 
+/// The estimate `now` with the motion of a moment.
+inline Estimate as_of(const Moment& moment, const Estimate& now) {
+  Estimate then = now;
+  then.q_NB = moment.q_NB;
+  then.C_NB = moment.q_NB.toRotationMatrix();
+  then.air_velocity_N = moment.air_velocity_N;
+  then.height = moment.height;
+  then.baro_height = moment.baro_height;
+  return then;
+}
+
 /// The moments of the last second, one per frame, so that a measurement is applied at its own time.
 class History {
  public:

@@ -46,7 +46,6 @@ StrapdownFilter<N>::StrapdownFilter(const Parameters& parameters, const GroundPa
 
 template <int N>
 void StrapdownFilter<N>::set_place(double lat, double h, const Eigen::Vector3d& b_N) {
-  lat_ = lat;
   h_ = h;
   b_N_ = b_N;
   place_.lat = lat;
@@ -76,7 +75,7 @@ void StrapdownFilter<N>::hold_linearisation() {
 template <int N>
 void StrapdownFilter<N>::start_again(const Eigen::Vector3d& sigma_B) {
   const Estimate best = estimate();
-  const Matrix before = P_;
+  [[maybe_unused]] const Matrix before = P_;
   held_ = false;
   offset_.setZero();
   x_ = Estimate{};
@@ -86,18 +85,7 @@ void StrapdownFilter<N>::start_again(const Eigen::Vector3d& sigma_B) {
   x_.height = best.height;
   x_.baro_height = best.baro_height;
   P_ = initial_covariance<N>(parameters_);
-  if constexpr (kOverGround<N>) {
-    x_.lat = best.lat;
-    x_.lon = best.lon;
-    x_.wind_N = best.wind_N;
-    x_.baro_bias = best.baro_bias;
-    start_ground(P_, ground_);
-    // The slow error of GPS is part of it, and unknown again.
-    constexpr int kP = kPosition.offset;
-    P_.template block<2, 2>(kP, kP) = before.template block<2, 2>(kP, kP);
-    P_(kP, kP) += square(ground_.gps_error.sigma);
-    P_(kP + 1, kP + 1) += square(ground_.gps_error.sigma);
-  }
+  if constexpr (kOverGround<N>) restart_ground(best, before);
   restart_attitude(P_, x_.C_NB * sigma_B.cwiseAbs2().asDiagonal() * x_.C_NB.transpose());
   restart_velocity(P_, parameters_, gust_level_.sigma(), x_.air_velocity_N.norm());
   forget_history();
@@ -240,36 +228,6 @@ Eigen::Vector3d StrapdownFilter<N>::best_velocity(const Eigen::Vector3d& air_vel
 }
 
 template <int N>
-void StrapdownFilter<N>::fly_over_ground(const Step& step, const ProcessNoise& noise) {
-  x_.gps_error *= noise.gps_error_decay;
-  x_.baro_bias *= noise.baro_bias_decay;
-  travelled_ += move_over_ground(x_, best_velocity(step.air_velocity_N), step.dt);
-}
-
-template <int N>
-void StrapdownFilter<N>::set_ground_position(double lat, double lon, double sigma) {
-  x_.lat = lat;
-  x_.lon = lon;
-  forget(P_, kPosition);
-  auto diagonal = P_.diagonal();
-  part<2>(diagonal, kPosition).setConstant(sigma * sigma);
-}
-
-template <int N>
-std::optional<GroundPoint> StrapdownFilter<N>::ground_at(std::int64_t time_us) const {
-  Moment moment;
-  if (!locate(time_us, moment)) return std::nullopt;
-  GroundPoint point;
-  const Eigen::Vector2d since = travelled_ - moment.travelled;
-  point.position = earth::displaced({x_.lat, x_.lon, moment.height + x_.baro_bias},
-                                    {-since.x(), -since.y(), 0.0});
-  point.air_velocity_N = moment.air_velocity_N;
-  point.v_N = best_velocity(moment.air_velocity_N).template head<2>();
-  point.delay = delay_of(moment);
-  return point;
-}
-
-template <int N>
 bool StrapdownFilter<N>::locate(std::int64_t time_us, Moment& moment) const {
   const Moment* found = history_.before(time_us);
   if (found == nullptr) return false;
@@ -278,30 +236,6 @@ bool StrapdownFilter<N>::locate(std::int64_t time_us, Moment& moment) const {
   moment.time_us = time_us;
   moment.bring_up(corrections_, seconds(now_us_, time_us), place_.gravity);
   return true;
-}
-
-template <int N>
-Estimate StrapdownFilter<N>::estimate_at(const Moment& moment) const {
-  Estimate then = x_;
-  then.q_NB = moment.q_NB;
-  then.C_NB = moment.q_NB.toRotationMatrix();
-  then.air_velocity_N = moment.air_velocity_N;
-  then.height = moment.height;
-  then.baro_height = moment.baro_height;
-  return then;
-}
-
-template <int N>
-Delay StrapdownFilter<N>::delay_of(const Moment& moment) const {
-  Delay delay;
-  delay.age = seconds(now_us_, moment.time_us);
-  delay.gravity = place_.gravity;
-  const Eigen::Matrix3d C_then = moment.q_NB.toRotationMatrix();
-  delay.C_NB = 0.5 * (C_then + x_.C_NB);
-  delay.omega_B =
-      math::log_quaternion(moment.q_NB.conjugate() * x_.q_NB) / std::max(delay.age, 1e-3);
-  delay.air_velocity_N = moment.air_velocity_N;
-  return delay;
 }
 
 template <int N>
@@ -341,8 +275,8 @@ samples::Use StrapdownFilter<N>::update(const samples::MagneticField& sample) {
   Moment moment;
   if (!locate(sample.time_us, moment)) return samples::Use::kHeld;
   const MagneticMeasurement then =
-      measure_field(sample.b_B, estimate_at(moment), b_N_, parameters_.field_noise);
-  return correct(Delayed<MagneticMeasurement>(then, delay_of(moment)), kFieldX, true);
+      measure_field(sample.b_B, as_of(moment, x_), b_N_, parameters_.field_noise);
+  return correct(Delayed<MagneticMeasurement>(then, delay(moment)), kFieldX, true);
 }
 
 template <int N>
@@ -361,14 +295,14 @@ samples::Use StrapdownFilter<N>::update(const samples::AirData& sample) {
   } else {
     Moment moment;
     if (!locate(sample.time_us, moment)) return use;
-    const AirDataMeasurement then = measure_air(sample, estimate_at(moment), noise);
-    use = correct(Delayed<AirDataMeasurement>(then, delay_of(moment)), kAirspeed, false, frozen_);
+    const AirDataMeasurement then = measure_air(sample, as_of(moment, x_), noise);
+    use = correct(Delayed<AirDataMeasurement>(then, delay(moment)), kAirspeed, false, frozen_);
   }
   learn_air(seconds(sample.time_us, air_us_));
   air_us_ = sample.time_us;
   follow_baro(sample);
-  if (std::cos(lat_) > kNearestPole) {
-    place_.transport_rate_N = earth::transport_rate_N(lat_, h_, x_.v_N());
+  if (std::cos(place_.lat) > kNearestPole) {
+    place_.transport_rate_N = earth::transport_rate_N(place_.lat, h_, x_.v_N());
   }
   return use;
 }

@@ -135,7 +135,9 @@ class StrapdownFilter {
  private:
   ProcessNoise process_noise(double dt) const;
   Eigen::Vector3d best_velocity(const Eigen::Vector3d& air_velocity_N) const;
+  // Where there is a ground: ground_filter.cpp.
   void fly_over_ground(const Step& step, const ProcessNoise& noise);
+  void restart_ground(const Estimate& best, const Matrix& before);
   void take(const Vector& correction);
   Eigen::Vector3d force_to_use(double& density) const;
   void settle();
@@ -145,8 +147,10 @@ class StrapdownFilter {
   void follow_baro(const samples::AirData& sample);
   void remember(const Eigen::Vector3d& force_B, double dt);
   bool locate(std::int64_t time_us, Moment& moment) const;
-  Estimate estimate_at(const Moment& moment) const;
-  Delay delay_of(const Moment& moment) const;
+  Delay delay(const Moment& moment) const {
+    return delay_since(moment, x_, 1e-6 * static_cast<double>(now_us_ - moment.time_us),
+                       place_.gravity);
+  }
   void learn_air(double dt);
   template <class Measurement>
   samples::Use correct(const Measurement& m, Row first, bool together, int left_out = 0);
@@ -155,7 +159,6 @@ class StrapdownFilter {
   GroundParameters ground_;
   filter::Gate gate_;
   Place place_;
-  double lat_ = 0.0;
   double h_ = 0.0;
   Eigen::Vector3d b_N_ = Eigen::Vector3d::Zero();
 
@@ -197,6 +200,17 @@ class StrapdownFilter {
 /// Attitude from the air alone, and with GPS.
 using VelocityFilter = StrapdownFilter<kStates>;
 using GroundFilter = StrapdownFilter<kGroundStates>;
+
+// Only a filter with a ground has these.
+template <>
+void GroundFilter::fly_over_ground(const Step& step, const ProcessNoise& noise);
+template <>
+void GroundFilter::restart_ground(const Estimate& best, const Matrix& before);
+template <>
+void GroundFilter::set_ground_position(double lat, double lon, double sigma);
+template <>
+std::optional<GroundPoint> GroundFilter::ground_at(std::int64_t time_us) const;
+
 extern template class StrapdownFilter<kStates>;
 extern template class StrapdownFilter<kGroundStates>;
 

@@ -7,11 +7,10 @@ without a fault. GPS is good again from the end of the fault on.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from math import nan, radians
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,14 +32,10 @@ from lodestar.recordings.recording import Channel, Recording
 from lodestar.simulation.earth import meridian_radius
 from lodestar.studies.campaign import Cell, Result
 from lodestar.studies.fault_window import Rows, Window, refused_messages
+from lodestar.studies.fusion_setups import FILTERS, shipped
 from lodestar.studies.sahrs import SERIES_S, chosen, describe
 
 Array = NDArray[np.float64]
-
-FILTERS: dict[str, Mapping[str, Any]] = {
-    name: {"fusion": {"filter": name}} for name in ("cascade", "integrated")
-}
-"""Tables of the configuration by name of the filter."""
 
 DURATION_S = 1500.0
 START_S = 600.0
@@ -116,7 +111,7 @@ class FusionFaultsStudy:
 
     scenario: Scenario
     engines: tuple[str, ...] = ("profile",)
-    filters: tuple[str, ...] = tuple(FILTERS)
+    filters: tuple[str, ...] = FILTERS
     name: str = "fusion-faults"
 
     @cached_property
@@ -144,7 +139,8 @@ class FusionFaultsStudy:
             _, name, filter_ = self.variants[cell]
             case = CASES[name]
             sensed = inject(sound, case.faults, seed)
-            answered = run(sensed, estimator_config(self.scenario, sensed, FILTERS[filter_]))
+            config = estimator_config(self.scenario, sensed, shipped(filter_).tables())
+            answered = run(sensed, config)
             flown = Flown.of(answered)
             figures = dict(flown.figures(case.window))
             figures |= refused_messages(answered, case.window, CHANNELS)
@@ -165,7 +161,7 @@ def fusion_faults_study(engines: Sequence[str], filters: Sequence[str]) -> Fusio
     return FusionFaultsStudy(
         scenario,
         chosen("engine", engines or ("profile",), ENGINES),
-        chosen("filter", filters, tuple(FILTERS)),
+        chosen("filter", filters, FILTERS),
     )
 
 

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "lodestar/earth/wgs84.h"
+#include "lodestar/strapdown/initial_covariance.h"
+#include "lodestar/strapdown/velocity_filter.h"
+
+// What only the filter with a ground does.
+
+namespace lodestar::strapdown {
+
+template <>
+void GroundFilter::fly_over_ground(const Step& step, const ProcessNoise& noise) {
+  x_.gps_error *= noise.gps_error_decay;
+  x_.baro_bias *= noise.baro_bias_decay;
+  travelled_ += move_over_ground(x_, best_velocity(step.air_velocity_N), step.dt);
+}
+
+/// Position and wind go on as they were estimated, the position as well as it was known `before`.
+template <>
+void GroundFilter::restart_ground(const Estimate& best, const Matrix& before) {
+  x_.lat = best.lat;
+  x_.lon = best.lon;
+  x_.wind_N = best.wind_N;
+  x_.baro_bias = best.baro_bias;
+  start_ground(P_, ground_);
+  constexpr int kP = kPosition.offset;
+  P_.block<2, 2>(kP, kP) = before.block<2, 2>(kP, kP);
+  // The slow error of GPS is part of it, and unknown again.
+  const double slow = ground_.gps_error.sigma * ground_.gps_error.sigma;
+  P_(kP, kP) += slow;
+  P_(kP + 1, kP + 1) += slow;
+}
+
+template <>
+void GroundFilter::set_ground_position(double lat, double lon, double sigma) {
+  x_.lat = lat;
+  x_.lon = lon;
+  forget(P_, kPosition);
+  auto diagonal = P_.diagonal();
+  part<2>(diagonal, kPosition).setConstant(sigma * sigma);
+}
+
+template <>
+std::optional<GroundPoint> GroundFilter::ground_at(std::int64_t time_us) const {
+  Moment moment;
+  if (!locate(time_us, moment)) return std::nullopt;
+  GroundPoint point;
+  const Eigen::Vector2d since = travelled_ - moment.travelled;
+  point.position = earth::displaced({x_.lat, x_.lon, moment.height + x_.baro_bias},
+                                    {-since.x(), -since.y(), 0.0});
+  point.air_velocity_N = moment.air_velocity_N;
+  point.v_N = best_velocity(moment.air_velocity_N).head<2>();
+  point.delay = delay(moment);
+  return point;
+}
+
+}  // namespace lodestar::strapdown
