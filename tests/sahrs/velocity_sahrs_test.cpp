@@ -117,16 +117,5 @@ TEST(VelocitySahrs, FollowsABaroThatMovesToAnotherScale) {
   EXPECT_LT(worst, 2.0 * kDegree);
 }
 
-TEST(VelocitySahrs, LearnsThatTheWindChangesAndForgetsIt) {
-  const auto slow = [](strapdown::WindLevel& level, double mean, double duration) {
-    for (double t = 0.0; t < duration; t += 1.0 / 30.0) level.learn({mean, -mean, 0.0}, 1.0 / 30.0);
-  };
-  strapdown::WindLevel level(0.1, 0.1, 2.0, 3.0);
-  slow(level, 1.0, 3.0);  // of one sign for seconds: no noise is
-  EXPECT_GT(level.walk(), 1.0);
-  slow(level, 0.0, 60.0);
-  EXPECT_DOUBLE_EQ(level.walk(), 0.1);
-}
-
 }  // namespace
 }  // namespace lodestar::sahrs_test

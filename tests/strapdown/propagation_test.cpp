@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <random>
+
 #include "flight_points.h"
 
 namespace lodestar::strapdown {
@@ -188,6 +190,29 @@ TEST(Propagation, TheBaroFollowsAClimbBehindItsLag) {
     move(x, Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero(), place, 0.01);
   EXPECT_NEAR(x.height, 60.0, 1e-9);
   EXPECT_NEAR(x.height - x.baro_height, 3.0, 3e-4);  // lag times climb, to (dt / lag)^2 / 12 of it
+}
+
+TEST(Propagation, NeglectedClimbIsThatOfTheRotationsSecondOrder) {
+  const Eigen::Vector3d v(150.0, 120.0, 0.0);
+  std::mt19937 generator(7);
+  std::normal_distribution<double> normal;
+  for (const double rho : {0.0, 0.7, 1.0}) {  // of bank and heading
+    Covariance P = Covariance::Zero();
+    double square = 0.0;
+    constexpr int kDraws = 20000;
+    for (int i = 0; i < kDraws; ++i) {
+      const double heading = normal(generator);
+      const double bank = rho * heading + std::sqrt(1.0 - rho * rho) * normal(generator);
+      const Eigen::Vector3d phi =
+          0.01 * bank * v.normalized() + Eigen::Vector3d(0.0, 0.0, 0.04 * heading);
+      P.topLeftCorner<3, 3>() += phi * phi.transpose() / kDraws;
+      const Eigen::Vector3d left_out = math::exp_so3(phi) * v - v - phi.cross(v);
+      square += left_out.z() * left_out.z() / kDraws;
+    }
+    const double lasting = neglected_climb<kStates>(P, v) / (2.0 * 60.0);
+    EXPECT_GT(lasting, 0.6 * square) << rho;
+    EXPECT_LT(lasting, 2.2 * square) << rho;
+  }
 }
 
 TEST(Propagation, AttitudeStaysARotationForADay) {

@@ -39,17 +39,18 @@ struct Parameters {
   double min_airspeed = 60.0;  // m/s; declared in [sahrs]
 
   // The air.
-  double wind_walk = 0.1;            // m/s/sqrt(s), at the start
-  double wind_walk_min = 0.03;       // m/s/sqrt(s)
-  double wind_walk_max = 2.0;        // m/s/sqrt(s)
-  double wind_adaptation = 3.0;      // s
-  double vertical_wind_ratio = 0.3;  // of the same
-  double height_walk = 0.05;         // m/sqrt(s)
-  double gust_length = 430.0;        // m
-  double gust_sigma = 2.0;           // m/s, at the start
-  double gust_sigma_min = 0.02;      // m/s
-  double gust_sigma_max = 8.0;       // m/s
-  double gust_adaptation = 3.0;      // s
+  double wind_walk = 0.1;              // m/s/sqrt(s), at the start
+  double wind_walk_min = 0.02;         // m/s/sqrt(s)
+  double wind_walk_max = 2.0;          // m/s/sqrt(s)
+  double wind_adaptation = 3.0;        // s
+  double wind_base_adaptation = 50.0;  // s
+  double vertical_wind_ratio = 0.3;    // of the same
+  double height_walk = 0.05;           // m/sqrt(s)
+  double gust_length = 430.0;          // m
+  double gust_sigma = 2.0;             // m/s, at the start
+  double gust_sigma_min = 0.02;        // m/s
+  double gust_sigma_max = 8.0;         // m/s
+  double gust_adaptation = 3.0;        // s
 
   double gate_false_rejection = 1e-5;
 
@@ -103,7 +104,10 @@ struct Parameters {
     visit(self.wind_walk_max, {"wind_walk_max_m_s_rts", "m/s/sqrt(s)", 1e-4, 10.0,
                                "Greatest level of that random walk"});
     visit(self.wind_adaptation, {"wind_adaptation_s", "s", 0.1, 1e6,
-                                 "Time in which the level of that random walk is learnt"});
+                                 "Time in which that level falls again after a step of wind"});
+    visit(self.wind_base_adaptation,
+          {"wind_base_adaptation_s", "s", 1.0, 1e6,
+           "Time in which the level that lasts between steps of wind is learnt"});
     visit(self.vertical_wind_ratio, {"vertical_wind_ratio", "-", 0.0, 10.0,
                                      "Random walk of the vertical wind over that of the "
                                      "horizontal"});

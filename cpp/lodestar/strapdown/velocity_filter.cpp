@@ -39,7 +39,7 @@ StrapdownFilter<N>::StrapdownFilter(const Parameters& parameters, const GroundPa
       gust_level_(parameters.gust_sigma, parameters.gust_sigma_min, parameters.gust_sigma_max,
                   parameters.gust_adaptation),
       wind_level_(parameters.wind_walk, parameters.wind_walk_min, parameters.wind_walk_max,
-                  parameters.wind_adaptation) {
+                  parameters.wind_adaptation, parameters.wind_base_adaptation) {
   place_.baro_lag = parameters.baro_lag;
   if constexpr (kOverGround<N>) start_ground(P_, ground_);
 }
@@ -168,7 +168,7 @@ ProcessNoise StrapdownFilter<N>::process_noise(double dt) const {
   noise.force = square(p.load_noise * samples::kStandardGravity);
   noise.wind = square(wind_level_.walk());
   noise.vertical_wind = square(p.vertical_wind_ratio) * noise.wind;
-  noise.height = square(p.height_walk);
+  noise.height = square(p.height_walk) + neglected_climb<N>(P_, x_.air_velocity_N);
   noise.gyro_bias = p.gyro_drift.spectral_density();
   noise.field_drift_decay = p.field_drift.decay(dt);
   noise.field_drift_variance = p.field_drift.added_variance(dt);

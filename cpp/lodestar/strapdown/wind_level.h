@@ -7,47 +7,82 @@
 
 namespace lodestar::strapdown {
 
-/// How fast the wind changes, learnt from the innovations of the air data. What a change of wind
+/// Whether innovations of the air data are white, by their mean over a while: what a change of wind
 /// leaves in them is not large at any moment but of one sign for seconds, as no noise and no gust
-/// is. While the mean of a second is larger than white innovations have it the level rises, while
-/// it is smaller it falls.
-class WindLevel {
+/// is.
+class Whiteness {
  public:
   static constexpr int kRows = 3;  // airspeed, alpha, beta
 
-  /// `walk` at the start and its bounds (m/s/sqrt(s)); `adaptation` (s): time to change it e-fold
-  /// when the mean's variance is three times what is expected.
-  WindLevel(double walk, double walk_min, double walk_max, double adaptation)
-      : log_density_(2.0 * std::log(std::clamp(walk, walk_min, walk_max))),
-        log_min_(2.0 * std::log(walk_min)),
-        log_max_(2.0 * std::log(walk_max)),
-        adaptation_(adaptation) {}
+  /// `memory` (s) of the mean.
+  explicit Whiteness(double memory) : memory_(memory) {}
 
-  /// Innovations over their standard deviations, `dt` (s) after the last ones; 0 for a row that is
-  /// not to be heard.
-  void learn(const std::array<double, kRows>& normalised, double dt) {
-    const double weight = dt / (kMemory + dt);
+  /// Square of the mean over what it is for white noise: 1 on average if all is well, and smaller
+  /// than kMedian half of the time. `normalised`: innovations over their standard deviations, `dt`
+  /// (s) after the last ones.
+  double see(const std::array<double, kRows>& normalised, double dt) {
+    const double weight = dt / (memory_ + dt);
+    if (!(weight > 0.0)) return kMedian;
     const double white_variance = weight / (2.0 - weight);
     double sum = 0.0;
     for (std::size_t row = 0; row < normalised.size(); ++row) {
       mean_[row] += weight * (normalised[row] - mean_[row]);
       sum += mean_[row] * mean_[row];
     }
-    const double surprise = std::min(sum / (kRows * white_variance), kLargest) - 1.0;
-    log_density_ = std::clamp(log_density_ + dt / adaptation_ * surprise, log_min_, log_max_);
+    return sum / (kRows * white_variance);
+  }
+
+  static constexpr double kMedian = 0.789;  // of chi-square with three degrees of freedom, over 3
+
+ private:
+  double memory_;
+  std::array<double, kRows> mean_{};
+};
+
+/// How fast the wind changes, learnt from the innovations of the air data: a level that stays, and
+/// what is above it while the wind steps.
+///
+/// The level that stays follows the sign of what it sees, by a small step each time, so that it is
+/// hardly moved by a step of wind, however large, and in living air does not come and go with its
+/// own noise: a level that does is too low half of the time, and attitude then follows the wind.
+class WindLevel {
+ public:
+  /// `walk` at the start and its bounds (m/s/sqrt(s)); `adaptation` (s): in which a step dies away
+  /// e-fold; `base_adaptation` (s): in which the level that stays can change e-fold.
+  WindLevel(double walk, double walk_min, double walk_max, double adaptation,
+            double base_adaptation)
+      : log_min_(2.0 * std::log(walk_min)),
+        log_max_(2.0 * std::log(walk_max)),
+        log_base_(log_min_),
+        log_density_(2.0 * std::log(std::clamp(walk, walk_min, walk_max))),
+        adaptation_(adaptation),
+        base_adaptation_(base_adaptation) {}
+
+  /// Innovations over their standard deviations, `dt` (s) after the last ones; 0 for a row that is
+  /// not to be heard.
+  void learn(const std::array<double, Whiteness::kRows>& normalised, double dt) {
+    const double lasting = lasting_.see(normalised, dt) > Whiteness::kMedian ? 1.0 : -1.0;
+    log_base_ = std::clamp(log_base_ + dt / base_adaptation_ * lasting, log_min_, log_max_);
+    const double now = std::min(sudden_.see(normalised, dt), kLargest);
+    const double surprise = kRise * std::max(now - kStep, 0.0) + std::min(now - 1.0, 0.0);
+    log_density_ = std::clamp(log_density_ + dt / adaptation_ * surprise, log_base_, log_max_);
   }
 
   double walk() const { return std::exp(0.5 * log_density_); }
 
  private:
-  static constexpr double kMemory = 1.0;    // s
+  static constexpr double kStep = 3.0;      // from where on it is a step: white noise is rarely
+  static constexpr double kRise = 3.0;      // faster than a step dies away
   static constexpr double kLargest = 30.0;  // from calm to a squall in a second
 
-  double log_density_;
+  Whiteness sudden_{1.0};
+  Whiteness lasting_{10.0};
   double log_min_;
   double log_max_;
+  double log_base_;
+  double log_density_;
   double adaptation_;
-  std::array<double, kRows> mean_{};
+  double base_adaptation_;
 };
 
 }  // namespace lodestar::strapdown
