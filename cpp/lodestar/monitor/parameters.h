@@ -16,7 +16,7 @@ struct InsMonitorParameters {
   double heading_least = 5.0 * math::kDegree;  // rad
   double change_sigmas = 2.5;
   double level_change = 3.0 * math::kDegree;    // rad
-  double heading_change = 7.0 * math::kDegree;  // rad
+  double heading_change = 6.5 * math::kDegree;  // rad
   double usual_tau = 60.0;                      // s
   double frozen_turn = 1.0 * math::kDegree;     // rad
 
