@@ -89,9 +89,12 @@ Estimate over_ground(const FlightPoint& point) {
   x.lat = sweden().lat;
   x.lon = 0.3;
   x.wind_N << 8.0, -12.0;
+  x.mean_wind_N = x.wind_N;  // else the attitude error turns what the air velocity goes back by
   x.height = 2500.0;
   return x;
 }
+
+constexpr double kWindReturn = 1e-2;  // in one frame: more than there ever is
 
 /// Central differences of one frame of flight over the ground.
 GroundMatrix numeric_ground_transition(const FlightPoint& point, double dt) {
@@ -99,6 +102,7 @@ GroundMatrix numeric_ground_transition(const FlightPoint& point, double dt) {
   const auto fly = [&](Estimate x) {
     const Step step = move(x, point.omega_B, point.force_B, sweden(), dt);
     move_over_ground(x, step.v_N, dt);
+    x.return_wind(kWindReturn);
     return x;
   };
   const Estimate nominal = fly(over_ground(point));
@@ -126,7 +130,9 @@ TEST(Propagation, OverTheGroundTheCovarianceFollowsCentralDifferences) {
     const GroundMatrix expected = Phi * P * Phi.transpose();
     Estimate x = over_ground(point);
     const Step step = move(x, point.omega_B, point.force_B, sweden(), dt);
-    propagate<kGroundStates>(P, step, sweden(), ProcessNoise{});
+    ProcessNoise noise;
+    noise.wind_return = kWindReturn;
+    propagate<kGroundStates>(P, step, sweden(), noise);
     const GroundMatrix got = P.selfadjointView<Eigen::Lower>();
     for (int i = 0; i < kGroundStates; ++i) {
       for (int j = 0; j < kGroundStates; ++j) {
@@ -143,13 +149,30 @@ TEST(Propagation, AChangeOfWindIsNoneOfGroundVelocity) {
   step.dt = 0.01;
   ProcessNoise noise;
   noise.wind = 4.0;
+  noise.mean_wind = 3.0;
   GroundMatrix P = GroundMatrix::Zero();
   propagate<kGroundStates>(P, step, Place{}, noise);
   for (int axis = 0; axis < 2; ++axis) {
     const int v = kVelocity.offset + axis, w = kWind.offset + axis;
     EXPECT_NEAR(P(w, w), 0.04, 1e-15);
     EXPECT_NEAR(P(v, v) + 2.0 * P(w, v) + P(w, w), 0.0, 1e-15);
+    // The mean goes along with its part of the wind's change and has no other.
+    const int m = kMeanWind.offset + axis;
+    EXPECT_NEAR(P(m, m), 0.03, 1e-15);
+    EXPECT_NEAR(P(m, w), 0.03, 1e-15);
+    EXPECT_NEAR(P(m, v), -0.03, 1e-15);
   }
+}
+
+TEST(Propagation, WindReturnsToItsMeanAndGroundVelocityDoesNotKnow) {
+  Estimate x;
+  x.air_velocity_N << 100.0, 50.0, -3.0;
+  x.wind_N << 8.0, -12.0;
+  x.mean_wind_N << 5.0, -9.0;
+  const Eigen::Vector3d v_N = x.v_N();
+  x.return_wind(0.25);
+  EXPECT_LT((x.wind_N - Eigen::Vector2d(7.25, -11.25)).norm(), 1e-12);
+  EXPECT_LT((x.v_N() - v_N).norm(), 1e-12);
 }
 
 TEST(Propagation, NoiseOfGyrosDrivesAttitudeAndVelocityTogether) {

@@ -68,7 +68,9 @@ TEST(WindLevel, LearnsThatTheAirLivesAndKeepsItBeyondAStep) {
   air.blow(level, 300.0);
   const double living = air.blow(level, 250.0, {0.87, 0.07, 0.0});
   EXPECT_GT(living, 2.0 * kFloor);
+  EXPECT_EQ(level.step(), 0.0);
   air.blow(level, 10.0, {0.87, 0.07, 1.0});
+  EXPECT_GT(level.step(), 0.9 * level.walk());
   air.blow(level, 30.0, {0.3, 0.0, 0.0});  // the level of the step is too high by far
   EXPECT_GT(level.walk(), 0.8 * living);
   EXPECT_LT(level.walk(), 4.0 * living);

@@ -18,6 +18,9 @@ struct IntegratedParameters : GpsAcceptance {
   static void describe(Self& self, Visitor&& visit) {
     visit(self.ground.wind_sigma,
           {"wind_sigma_m_s", "m/s", 0.01, 100.0, "Wind before the flight, per axis"});
+    visit(self.ground.wind_tau,
+          {"wind_tau_s", "s", 10.0, 1e9,
+           "Time in which the wind returns to its mean, but for steps, which move the mean"});
     visit(self.ground.gps_error.sigma,
           {"gps_error_sigma_m", "m", 0.01, 1e3, "Slow error of a GPS position, per axis"});
     visit(self.ground.gps_error.tau,

@@ -11,6 +11,7 @@ template <>
 void GroundFilter::fly_over_ground(const Step& step, const ProcessNoise& noise) {
   x_.gps_error *= noise.gps_error_decay;
   x_.baro_bias *= noise.baro_bias_decay;
+  x_.return_wind(noise.wind_return);
   travelled_ += move_over_ground(x_, best_velocity(step.air_velocity_N), step.dt);
 }
 
@@ -20,6 +21,7 @@ void GroundFilter::restart_ground(const Estimate& best, const Matrix& before) {
   x_.lat = best.lat;
   x_.lon = best.lon;
   x_.wind_N = best.wind_N;
+  x_.mean_wind_N = best.mean_wind_N;
   x_.baro_bias = best.baro_bias;
   start_ground(P_, ground_);
   constexpr int kP = kPosition.offset;

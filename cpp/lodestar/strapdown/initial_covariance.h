@@ -35,7 +35,12 @@ CovarianceOf<N> initial_covariance(const Parameters& p) {
 /// What is known over the ground before the first fix, but for the position: that is set.
 inline void start_ground(CovarianceOf<kGroundStates>& P, const GroundParameters& p) {
   auto diagonal = P.diagonal();
-  part<2>(diagonal, kWind).setConstant(p.wind_sigma * p.wind_sigma);
+  for (const int from : {kWind.offset, kMeanWind.offset}) {
+    for (int axis = 0; axis < 2; ++axis) {
+      P(from + axis, kWind.offset + axis) = p.wind_sigma * p.wind_sigma;  // one is the other
+    }
+  }
+  part<2>(diagonal, kMeanWind) = part<2>(diagonal, kWind);
   part<3>(diagonal, kGpsError).setConstant(p.gps_error.sigma * p.gps_error.sigma);
   diagonal(kBaroBias.offset) = p.baro_bias.sigma * p.baro_bias.sigma;
 }

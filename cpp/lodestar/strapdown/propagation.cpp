@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "lodestar/strapdown/propagation.h"
 
+#include <array>
 #include <cmath>
+#include <utility>
 
 #include "lodestar/earth/wgs84.h"
 #include "lodestar/strapdown/sparse_update.h"
@@ -113,11 +115,36 @@ void add_noise(CovarianceOf<N>& P, const Step& step, const ProcessNoise& noise) 
   part<3>(diagonal, kGust) += noise.gust_variance;
   if constexpr (kOverGround<N>) {
     for (int axis = 0; axis < 2; ++axis) {
-      P(kWind.offset + axis, kVelocity.offset + axis) -= dt * noise.wind;
+      const int v = kVelocity.offset + axis, w = kWind.offset + axis, m = kMeanWind.offset + axis;
+      P(w, v) -= dt * noise.wind;
+      P(m, v) -= dt * noise.mean_wind;
+      P(m, w) += dt * noise.mean_wind;
     }
     part<2>(diagonal, kWind).array() += dt * noise.wind;
+    part<2>(diagonal, kMeanWind).array() += dt * noise.mean_wind;
     part<3>(diagonal, kGpsError).array() += noise.gps_error_variance;
     diagonal(kBaroBias.offset) += noise.baro_bias_variance;
+  }
+}
+
+/// P <- A P A' with A = I + share (wind towards its mean, air velocity the other way).
+void return_wind(CovarianceOf<kGroundStates>& P, double share) {
+  constexpr int kN = kGroundStates;
+  const Eigen::Matrix<double, kN, 2> apart =
+      symmetric_columns<2>(P, kMeanWind.offset) - symmetric_columns<2>(P, kWind.offset);
+  const Eigen::Matrix2d variance =
+      apart.middleRows<2>(kMeanWind.offset) - apart.middleRows<2>(kWind.offset);
+  const std::array<std::pair<int, double>, 2> moved = {
+      {{kVelocity.offset, -share}, {kWind.offset, share}}};
+  for (const auto& [from, part] : moved) {
+    for (int axis = 0; axis < 2; ++axis) {
+      const int r = from + axis;
+      P.row(r).head(r + 1) += part * apart.col(axis).head(r + 1).transpose();
+      P.col(r).tail(kN - r) += part * apart.col(axis).tail(kN - r);
+    }
+    for (const auto& [to, other] : moved) {
+      if (to >= from) P.block<2, 2>(to, from) += part * other * variance;
+    }
   }
 }
 
@@ -197,6 +224,7 @@ void propagate(CovarianceOf<N>& P, const Step& step, const Place& place,
   decay<N>(P, kGust, noise.gust_decay);
   if constexpr (kOverGround<N>) {
     move_position(P, step, place);
+    if (noise.wind_return > 0.0) return_wind(P, noise.wind_return);
     decay<N>(P, kGpsError, noise.gps_error_decay);
     decay<N>(P, kBaroBias, noise.baro_bias_decay);
   }

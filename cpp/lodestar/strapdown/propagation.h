@@ -31,6 +31,8 @@ struct ProcessNoise {
   double force = 0.0;          // (m/s^2)^2/Hz, of the load factor
   double wind = 0.0;           // (m/s^2)^2/Hz, horizontal, of the wind's change
   double vertical_wind = 0.0;  // (m/s^2)^2/Hz
+  double mean_wind = 0.0;      // (m/s^2)^2/Hz, the part of the wind's change that lasts
+  double wind_return = 0.0;    // share of its distance to the mean, in the frame
   double height = 0.0;         // (m/s)^2/Hz, of the baro's scale, and of neglected_climb()
   double gyro_bias = 0.0;      // (rad/s^2)^2/Hz
   // Gauss-Markov states: decay over the frame and variance added in it.
@@ -64,9 +66,10 @@ Step move(Estimate& x, const Eigen::Vector3d& omega_B, const Eigen::Vector3d& fo
 /// their own, so P is moved by columns, never by an N x N product.
 ///
 /// Over the ground also (north and east of)
-///     dp' = dv - v x phi + dw + curvature dp
-/// where the wind's change is the air velocity's with the other sign: ground velocity has none of
-/// it. What the wind's Coriolis acceleration errs by (1e-4 m/s^2 per m/s) is left out.
+///     dp' = dv - v x phi + dw + curvature dp,   dw' = (dm - dw) / tau + n,   dm' = part of n
+/// where the wind's change, of both kinds, is the air velocity's with the other sign: ground
+/// velocity has none of it. What the wind's Coriolis acceleration errs by (1e-4 m/s^2 per m/s) is
+/// left out, and that phi turns the wind's return, phi x (m - w) / tau.
 template <int N>
 void propagate(CovarianceOf<N>& P, const Step& step, const Place& place, const ProcessNoise& noise);
 

@@ -43,8 +43,9 @@ inline constexpr math::Block kPosition = math::after(kPadding, 2);   // m, north
 inline constexpr math::Block kWind = math::after(kPosition, 2);      // m/s, north, east
 inline constexpr math::Block kGpsError = math::after(kWind, 3);      // m, in N, measured - true
 inline constexpr math::Block kBaroBias = math::after(kGpsError, 1);  // m, true height - the baro's
-inline constexpr int kGroundStates = math::end(kBaroBias);
-static_assert(kGroundStates == 56);
+inline constexpr math::Block kMeanWind = math::after(kBaroBias, 2);  // m/s, what wind returns to
+inline constexpr int kGroundStates = math::end(kMeanWind);
+static_assert(kGroundStates == 58);
 
 template <int N>
 using StateVectorOf = Eigen::Matrix<double, N, 1>;
@@ -88,11 +89,12 @@ struct Estimate {
   Eigen::Vector2d flow_scale = Eigen::Vector2d::Zero();  // measured = angle + scale angle + bias
 
   // Over the ground; unused without GPS.
-  double lat = 0.0;                                     // rad
-  double lon = 0.0;                                     // rad, not wrapped
-  Eigen::Vector2d wind_N = Eigen::Vector2d::Zero();     // m/s, north, east
-  Eigen::Vector3d gps_error = Eigen::Vector3d::Zero();  // m, measured - true
-  double baro_bias = 0.0;                               // m, true height - height
+  double lat = 0.0;                                       // rad
+  double lon = 0.0;                                       // rad, not wrapped
+  Eigen::Vector2d wind_N = Eigen::Vector2d::Zero();       // m/s, north, east
+  Eigen::Vector2d mean_wind_N = Eigen::Vector2d::Zero();  // m/s, what it returns to
+  Eigen::Vector3d gps_error = Eigen::Vector3d::Zero();    // m, measured - true
+  double baro_bias = 0.0;                                 // m, true height - height
 
   /// Velocity over the ground (m/s, in N): the air goes neither up nor down.
   Eigen::Vector3d v_N() const {
@@ -126,9 +128,17 @@ struct Estimate {
     if constexpr (kOverGround<N>) {
       displace(part<2>(x, kPosition));
       wind_N += part<2>(x, kWind);
+      mean_wind_N += part<2>(x, kMeanWind);
       gps_error += part<3>(x, kGpsError);
       baro_bias += x(kBaroBias.offset);
     }
+  }
+
+  /// Wind goes back by `share` of its distance to the mean; ground velocity does not know.
+  void return_wind(double share) {
+    const Eigen::Vector2d back = share * (mean_wind_N - wind_N);
+    wind_N += back;
+    air_velocity_N.head<2>() -= back;
   }
 
   /// Moves the position by `offset` (m, north, east).
@@ -163,6 +173,7 @@ StateVectorOf<N> error_between(const Estimate& from, const Estimate& to) {
     part<2>(x, kPosition) =
         earth::displacement_N(from.position(), to.position()).template head<2>();
     part<2>(x, kWind) = to.wind_N - from.wind_N;
+    part<2>(x, kMeanWind) = to.mean_wind_N - from.mean_wind_N;
     part<3>(x, kGpsError) = to.gps_error - from.gps_error;
     x(kBaroBias.offset) = to.baro_bias - from.baro_bias;
   }

@@ -177,6 +177,8 @@ ProcessNoise StrapdownFilter<N>::process_noise(double dt) const {
   noise.gust_decay = gust.decay(dt);
   noise.gust_variance.setConstant(gust.added_variance(dt));
   if constexpr (kOverGround<N>) {
+    noise.mean_wind = square(wind_level_.step()) + square(p.wind_walk_min);
+    noise.wind_return = 1.0 - std::exp(-dt / ground_.wind_tau);
     noise.gps_error_decay = ground_.gps_error.decay(dt);
     noise.gps_error_variance = ground_.gps_error.added_variance(dt);
     noise.baro_bias_decay = ground_.baro_bias.decay(dt);

@@ -101,7 +101,12 @@ class StrapdownFilter {
   void doubt_ground(const Eigen::Vector2d& position, const Eigen::Vector2d& wind) {
     auto diagonal = P_.diagonal();
     part<2>(diagonal, kPosition) += position.cwiseAbs2();
-    part<2>(diagonal, kWind) += wind.cwiseAbs2();
+    for (int axis = 0; axis < 2; ++axis) {
+      const double variance = wind(axis) * wind(axis);
+      P_(kWind.offset + axis, kWind.offset + axis) += variance;
+      P_(kMeanWind.offset + axis, kWind.offset + axis) += variance;
+      P_(kMeanWind.offset + axis, kMeanWind.offset + axis) += variance;
+    }
   }
 
   Estimate estimate() const;

@@ -69,6 +69,11 @@ class WindLevel {
   }
 
   double walk() const { return std::exp(0.5 * log_density_); }
+  /// What of it is a step of wind: what is far above the level that lasts.
+  double step() const {
+    constexpr double kFar = 3.0;
+    return std::sqrt(std::max(std::exp(log_density_) - kFar * kFar * std::exp(log_base_), 0.0));
+  }
 
  private:
   static constexpr double kStep = 3.0;      // from where on it is a step: white noise is rarely
