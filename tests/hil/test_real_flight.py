@@ -16,6 +16,7 @@ from lodestar.studies.smdu_calibration import calibrate, store
 DATA = Path(__file__).resolve().parents[3] / "shared/data/umn_thor75/umn_thor75_50hz.npz"
 HALVES = ((230.0, 400.0), (405.0, 575.0))
 WHOLE = (230.0, 575.0)
+ANGLES = ("roll", "pitch", "heading")
 MIDDLE_S = 400.0
 
 
@@ -46,9 +47,9 @@ def test_attitude_holds_on_the_half_that_the_detector_was_not_calibrated_on(
     result = score(between(answered, *scored_on), case="thor75")
     limits = {"sahrs": (1.3, 1.3, 4.0), "integrated": (1.2, 1.2, 3.5)}
     for estimator, most in limits.items():
-        assert result.value(estimator, "roll_rmse_deg") <= most[0]
-        assert result.value(estimator, "pitch_rmse_deg") <= most[1]
-        assert result.value(estimator, "heading_rmse_deg") <= most[2]
+        rms = [result.value(estimator, f"{angle}_rmse_deg") for angle in ANGLES]
+        print(estimator, "roll, pitch, heading", [f"{one:.2f}" for one in rms])
+        assert (np.array(rms) <= most).all()
     assert result.value("integrated", "position_rmse_m") <= 15.0
 
 
@@ -65,6 +66,7 @@ def test_wind_is_that_of_a_constant_wind_fitted_to_the_whole_flight(flight, cali
     nav = between(navigator.run(flight, *calibrated), *WHOLE)["NAV"]
     assert nav["valid"].all()
     mean = nav["wind_N"].mean(axis=0)
+    print(f"mean wind {mean[0]:.1f}, {mean[1]:.1f} m/s")
     assert abs(mean[0] - -0.7) <= 1.5
     assert abs(mean[1] - 6.2) <= 1.5
 
@@ -80,7 +82,9 @@ def test_position_holds_through_a_loss_of_gps(flight, calibrated, length_s, most
     result = score(between(navigator.run(cut, *calibrated), *WHOLE), case="thor75")
     (loss,) = result.comparison.gps_losses
     error = result.value("integrated", "position_final_m", loss_case("thor75", loss))
-    assert error <= most_m
     nav = result.comparison.nav
     last = np.searchsorted(nav.time_us, end * 1e6) - 1
-    assert error <= 2 * np.hypot(*nav.position.sigma[last])
+    stated = np.hypot(*nav.position.sigma[last])
+    print(f"after {length_s} s {error:.0f} m off, {stated:.0f} m stated")
+    assert error <= most_m
+    assert error <= 2 * stated

@@ -153,7 +153,7 @@ class FusionStudy:
             for one, options, _ in ABLATIONS:
                 if one in flown:
                     yield variation(one, options), ABLATION_RUNS
-        if LIMIT.filter in flown and "heading_rmse_deg" in goals(name, start, LIMIT.filter):
+        if LIMIT.filter in flown and goals(name, start, LIMIT.filter):
             yield LIMIT, LIMIT_RUNS
         for options in self.options:
             yield from ((setup, None) for setup in variations(options, flown))
