@@ -21,6 +21,7 @@ constexpr double kTimeout = 0.5;         // s
 struct Scene {
   std::function<Euler(double)> sahrs = [](double) { return Euler{}; };
   std::function<Euler(double)> ins_error = [](double) { return Euler{}; };
+  std::function<Euler(double)> flown;  // as SAHRS, if empty
   double sahrs_sigma = 0.3 * kDegree;
   std::int64_t latency_us = 0;
   bool sahrs_valid = true;
@@ -31,10 +32,19 @@ struct Scene {
   std::int64_t now_us = 0;
   int frame = 0;
 
+  /// What the gyros have: of how SAHRS moves, or of `flown`, where SAHRS errs.
+  Eigen::Vector3d omega_B(double t) const {
+    constexpr double kStep = 1e-4;  // s
+    const auto q = [&](double at) {
+      return Eigen::Quaterniond(math::C_NB_from_euler(flown ? flown(at) : sahrs(at)));
+    };
+    return math::log_quaternion(q(t - kStep).conjugate() * q(t + kStep)) / (2.0 * kStep);
+  }
   samples::Attitude attitude(std::int64_t time_us) const {
     samples::Attitude s;
     s.time_us = time_us;
     s.q_NB = Eigen::Quaterniond(math::C_NB_from_euler(sahrs(1e-6 * static_cast<double>(time_us))));
+    s.omega_B = omega_B(1e-6 * static_cast<double>(time_us));
     s.P_B = sahrs_sigma * sahrs_sigma * Eigen::Matrix3d::Identity();
     s.valid = sahrs_valid;
     return s;
@@ -96,14 +106,18 @@ TEST(InsMonitor, DifferenceIsInsMinusSahrsInRollPitchAndHeading) {
   EXPECT_EQ(scene.state(), InsState::kAgree);
   // 6 sigma of INS and SAHRS together are less than the least thresholds.
   EXPECT_NEAR(scene.monitor.state().threshold(0), 2.5 * kDegree, 1e-12);
-  EXPECT_NEAR(scene.monitor.state().threshold(2), 5.0 * kDegree, 1e-12);
+  // ... and those of a departure from the gyros, by half a sigma more, on top of where it has been.
+  EXPECT_NEAR(scene.monitor.state().threshold(2),
+              (1.0 + 3.5 + 0.5 * std::hypot(0.3, 0.2)) * kDegree, 0.02 * kDegree);
 }
 
 TEST(InsMonitor, ThresholdFollowsTheSigmaOfBoth) {
   Scene scene;
   scene.sahrs_sigma = 0.9 * kDegree;
   scene.fly(1.0);
-  EXPECT_NEAR(scene.monitor.state().threshold(2), 6.0 * std::hypot(0.9, 0.2) * kDegree, 1e-9);
+  const double both = std::hypot(0.9, 0.2) * kDegree;
+  // Of the least of 6 sigma, 2.5 sigma or 6.5 degrees of change, 3.5 and half a sigma of departure.
+  EXPECT_NEAR(scene.monitor.state().threshold(2), 3.5 * kDegree + 0.5 * both, 1e-3 * kDegree);
 }
 
 TEST(InsMonitor, SmallDisagreementStaysSmallStraightUp) {
@@ -167,6 +181,58 @@ TEST(InsMonitor, ARampAgainstASlowErrorOfSahrsIsFlaggedByTheChange) {
   scene.fly(200.0);
   ASSERT_EQ(scene.state(), InsState::kAgree);
   EXPECT_LT(0.5 * (scene.fly(300.0, InsState::kMiscompare) - 200.0), 10.0);
+}
+
+TEST(InsMonitor, ARampThatTakesBackALargeErrorOfSahrsIsFlagged) {
+  Scene scene;
+  scene.sahrs_sigma = 2.0 * kDegree;
+  const auto ramped = ramp({0.0, 0.0, -0.5}, 200.0);
+  scene.ins_error = [&](double t) {
+    Euler e = ramped(t);
+    e.heading += 8.0 * kDegree;  // at first the INS seems to come nearer
+    return e;
+  };
+  scene.fly(200.0);
+  ASSERT_EQ(scene.state(), InsState::kAgree);
+  EXPECT_LT(0.5 * (scene.fly(300.0, InsState::kMiscompare) - 200.0), 8.0);
+}
+
+TEST(InsMonitor, WhatSahrsCorrectsIsNoDepartureOfTheIns) {
+  Scene scene;
+  scene.sahrs_sigma = 1.5 * kDegree;
+  scene.flown = [](double) { return Euler{}; };
+  scene.sahrs = [](double t) { return Euler{0.0, 0.0, (t < 100.0 ? 0.0 : 5.0) * kDegree}; };
+  scene.ins_error = [](double t) { return Euler{0.0, 0.0, (t < 100.0 ? 0.0 : -5.0) * kDegree}; };
+  for (double t = 1.0; t < 300.0; t += 1.0) {
+    scene.fly(t);
+    ASSERT_EQ(scene.state(), InsState::kAgree) << t;
+  }
+}
+
+TEST(InsMonitor, ARampThatSahrsFollowsIsFlaggedByTheGyros) {
+  Scene scene;
+  scene.sahrs_sigma = 1.5 * kDegree;
+  scene.flown = [](double) { return Euler{}; };
+  const auto pulled = ramp({0.0, 0.0, 0.45}, 100.0);  // by a magnet, say
+  scene.sahrs = pulled;
+  scene.ins_error = ramp({0.0, 0.0, 0.05}, 100.0);
+  scene.fly(100.0);
+  ASSERT_EQ(scene.state(), InsState::kAgree);
+  EXPECT_LT(0.5 * (scene.fly(200.0, InsState::kMiscompare) - 100.0), 10.0);
+}
+
+TEST(InsMonitor, AfterAFalseAlarmByTheGyrosTheInsIsTrustedAgain) {
+  Scene scene;
+  scene.sahrs = [](double t) {
+    return Euler{0.0, 0.0, (t < 100.0 ? 0.0 : 0.5 * (t - 100.0)) * kDegree};
+  };
+  scene.flown = [](double) { return Euler{}; };  // the gyros say nothing of a turn of 20 s
+  const auto turn = scene.sahrs;
+  scene.sahrs = [=](double t) { return turn(std::min(t, 120.0)); };
+  scene.fly(140.0);
+  ASSERT_EQ(scene.state(), InsState::kMiscompare);
+  scene.fly(300.0);
+  EXPECT_EQ(scene.state(), InsState::kAgree);
 }
 
 TEST(InsMonitor, ASlowErrorOfSahrsWithinItsSigmaIsNormal) {

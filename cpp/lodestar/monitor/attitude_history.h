@@ -17,7 +17,8 @@ namespace lodestar::monitor {
 struct StatedAttitude {
   std::int64_t time_us = 0;
   Eigen::Quaterniond q_NB = Eigen::Quaterniond::Identity();
-  Eigen::Matrix3d P_B = Eigen::Matrix3d::Zero();  // rad^2, small rotation in B
+  Eigen::Matrix3d P_B = Eigen::Matrix3d::Zero();             // rad^2, small rotation in B
+  Eigen::Quaterniond q_GB = Eigen::Quaterniond::Identity();  // by its gyros alone, since some time
 };
 
 /// The last second of SAHRS, one entry per frame at up to 1000 Hz: a late solution is compared with
@@ -28,9 +29,9 @@ class AttitudeHistory {
 
   void clear() { count_ = 0; }
 
-  void push(const samples::Attitude& sahrs) {
+  void push(const samples::Attitude& sahrs, const Eigen::Quaterniond& q_GB = {1.0, 0.0, 0.0, 0.0}) {
     newest_ = (newest_ + 1) % kCapacity;
-    ring_[newest_] = {sahrs.time_us, sahrs.q_NB, sahrs.P_B};
+    ring_[newest_] = {sahrs.time_us, sahrs.q_NB, sahrs.P_B, q_GB};
     if (count_ < kCapacity) ++count_;
   }
 
@@ -55,8 +56,12 @@ class AttitudeHistory {
                                 std::int64_t time_us) {
     const double fraction =
         static_cast<double>(time_us - a.time_us) / static_cast<double>(b.time_us - a.time_us);
-    const Eigen::Vector3d turn_B = math::log_quaternion(a.q_NB.conjugate() * b.q_NB);
-    return {time_us, a.q_NB * math::exp_quaternion(fraction * turn_B), b.P_B};
+    return {time_us, between(a.q_NB, b.q_NB, fraction), b.P_B, between(a.q_GB, b.q_GB, fraction)};
+  }
+
+  static Eigen::Quaterniond between(const Eigen::Quaterniond& a, const Eigen::Quaterniond& b,
+                                    double fraction) {
+    return a * math::exp_quaternion(fraction * math::log_quaternion(a.conjugate() * b));
   }
 
   std::array<StatedAttitude, kCapacity> ring_{};

@@ -12,6 +12,10 @@ using samples::InsState;
 // Beyond this pitch the difference of two Euler headings says little of the heading.
 constexpr double kSteepest = 60.0 * math::kDegree;  // rad
 
+// Part of sigma by which gyros may lead astray within half a minute: where attitude is poorly known
+// so is their bias.
+constexpr double kUnknownGyros = 0.5;
+
 double seconds_between(std::int64_t earlier_us, std::int64_t later_us) {
   return 1e-6 * static_cast<double>(later_us - earlier_us);
 }
@@ -23,6 +27,10 @@ Eigen::Matrix3d level_axes(const Eigen::Matrix3d& C_NB) {
   Eigen::Matrix3d C_LN;
   C_LN << c, s, 0.0, -s, c, 0.0, 0.0, 0.0, 1.0;
   return C_LN;
+}
+
+Eigen::Quaterniond attitude_of(const samples::InsSolution& ins) {
+  return Eigen::Quaterniond(math::C_NB_from_euler({ins.roll, ins.pitch, ins.heading}));
 }
 
 bool repeats(const samples::InsSolution& a, const samples::InsSolution& b) {
@@ -41,8 +49,9 @@ void InsMonitor::propagate(const samples::Attitude& sahrs) {
     history_.clear();
     restart();
   }
+  gyros_.propagate(sahrs, parameters_.departure_tau);
   if (sahrs.valid) {
-    history_.push(sahrs);
+    history_.push(sahrs, gyros_.q_GB());
   } else {
     history_.clear();
   }
@@ -64,6 +73,7 @@ void InsMonitor::compare(const samples::InsSolution& ins) {
   const double dt = compared_before_ ? seconds_between(last_ins_.time_us, ins.time_us) : 0.0;
   time_axes(dt);
   judge(frozen(ins, *sahrs), dt);
+  follow(ins, *sahrs, dt);
   remember(ins, *sahrs);
   last_ins_ = ins;
   compared_before_ = true;
@@ -77,6 +87,7 @@ std::optional<TrustedHeading> InsMonitor::take_failure() {
 
 void InsMonitor::restart() {
   compared_before_ = false;
+  reference_.restart();
   state_.time_over.setZero();
   distrust();
 }
@@ -87,7 +98,7 @@ void InsMonitor::stop() {
 }
 
 void InsMonitor::set_difference(const samples::InsSolution& ins, const StatedAttitude& sahrs) {
-  const Eigen::Quaterniond q_ins(math::C_NB_from_euler({ins.roll, ins.pitch, ins.heading}));
+  const Eigen::Quaterniond q_ins = attitude_of(ins);
   const Eigen::Matrix3d C_NB = sahrs.q_NB.toRotationMatrix();
   const Eigen::Matrix3d C_LN = level_axes(C_NB);
   const Eigen::Matrix3d C_LB = C_LN * C_NB;
@@ -97,19 +108,38 @@ void InsMonitor::set_difference(const samples::InsSolution& ins, const StatedAtt
   const Eigen::Vector3d variance =
       (C_LB * sahrs.P_B * C_LB.transpose()).diagonal() + ins_sigma.cwiseAbs2();
   if (!compared_before_) usual_ = state_.difference;
-  set_threshold(variance.cwiseSqrt());
+  set_threshold(variance.cwiseSqrt(), C_LN * reference_.departure(q_ins, sahrs.q_GB));
 }
 
-void InsMonitor::set_threshold(const Eigen::Vector3d& sigma) {
+/// Bounds on either side, each the nearest that any of the three comparisons sets. The difference
+/// has the threshold of the side it is on: none if it is beyond the bound of the other side.
+void InsMonitor::set_threshold(const Eigen::Vector3d& sigma, const Eigen::Vector3d& departure) {
   const InsMonitorParameters& p = parameters_;
   const Eigen::Vector3d least(p.level_least, p.level_least, p.heading_least);
   const Eigen::Vector3d least_change(p.level_change, p.level_change, p.heading_change);
   const Eigen::Vector3d stated = (p.sigmas * sigma).cwiseMax(least);
   const Eigen::Vector3d change = (p.change_sigmas * sigma).cwiseMax(least_change);
+  const Eigen::Vector3d least_brief(p.level_departure, p.level_departure, p.heading_departure);
+  const Eigen::Vector3d brief =
+      (least_brief + kUnknownGyros * sigma).array() + p.turn_error * gyros_.turned();
   for (int i = 0; i < 3; ++i) {
-    const double usual = std::copysign(1.0, state_.difference(i)) * usual_(i);
-    state_.threshold(i) = std::max(0.0, std::min(stated(i), usual + change(i)));
+    const double now = state_.difference(i);
+    const double late = now - departure(i);
+    const double high = std::min({stated(i), usual_(i) + change(i), late + brief(i)});
+    const double low = std::max({-stated(i), usual_(i) - change(i), late - brief(i)});
+    const bool beyond = now >= 0.0 ? now < low : now > high;
+    state_.threshold(i) = beyond ? 0.0 : std::max(0.0, now >= 0.0 ? high : -low);
   }
+}
+
+/// While the INS is not believed the reference goes back to SAHRS, as the two usually differ: of a
+/// false alarm nothing remains, of a fault everything.
+void InsMonitor::follow(const samples::InsSolution& ins, const StatedAttitude& sahrs, double dt) {
+  const double share = -std::expm1(-dt / parameters_.departure_tau);
+  const bool believed = state_.state == InsState::kAgree;
+  const Eigen::Matrix3d C_LN = level_axes(sahrs.q_NB.toRotationMatrix());
+  const Eigen::Quaterniond expected = math::exp_quaternion(C_LN.transpose() * usual_) * sahrs.q_NB;
+  reference_.follow(believed ? attitude_of(ins) : expected, sahrs.q_GB, share);
 }
 
 void InsMonitor::time_axes(double dt) {

@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "lodestar/monitor/attitude_history.h"
+#include "lodestar/monitor/gyro_reference.h"
 #include "lodestar/monitor/parameters.h"
 #include "lodestar/samples/outputs.h"
 #include "lodestar/samples/samples.h"
@@ -26,8 +27,9 @@ struct TrustedHeading {
 /// heading of SAHRS, to its right, down. In level flight these are roll, pitch and heading; unlike
 /// differences of Euler angles they stay small at any pitch. An axis is over when its difference
 /// exceeds what INS and SAHRS state of themselves, or departs from its own usual value by more than
-/// the slow errors of SAHRS ever do. An INS that repeats itself bit by bit while the aircraft turns
-/// is frozen.
+/// the slow errors of SAHRS ever do; or when the INS departs from what the gyros of SAHRS make of
+/// where it was half a minute ago, which what SAHRS corrects has no part in. An INS that repeats
+/// itself bit by bit while the aircraft turns is frozen.
 ///
 /// SAHRS learns nothing from here. After construction nothing allocates or throws.
 class InsMonitor {
@@ -51,7 +53,8 @@ class InsMonitor {
   void restart();
   void stop();
   void set_difference(const samples::InsSolution& ins, const StatedAttitude& sahrs);
-  void set_threshold(const Eigen::Vector3d& sigma);
+  void set_threshold(const Eigen::Vector3d& sigma, const Eigen::Vector3d& departure);
+  void follow(const samples::InsSolution& ins, const StatedAttitude& sahrs, double dt);
   void time_axes(double dt);
   bool frozen(const samples::InsSolution& ins, const StatedAttitude& sahrs);
   void judge(bool frozen, double dt);
@@ -71,7 +74,9 @@ class InsMonitor {
   Eigen::Quaterniond q_NB_of_change_ = Eigen::Quaterniond::Identity();  // SAHRS when it last moved
   bool compared_before_ = false;
   Eigen::Vector3d usual_ = Eigen::Vector3d::Zero();  // rad, slow mean of the difference
-  double agreed_for_ = 0.0;                          // s
+  GyroAttitude gyros_;
+  GyroReference reference_;  // the INS of late
+  double agreed_for_ = 0.0;  // s
   samples::InsMonitor state_;
 
   std::optional<TrustedHeading> trusted_;         // at the last solution

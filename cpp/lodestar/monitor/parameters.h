@@ -15,10 +15,14 @@ struct InsMonitorParameters {
   double level_least = 2.5 * math::kDegree;    // rad
   double heading_least = 5.0 * math::kDegree;  // rad
   double change_sigmas = 2.5;
-  double level_change = 3.0 * math::kDegree;    // rad
-  double heading_change = 6.5 * math::kDegree;  // rad
-  double usual_tau = 60.0;                      // s
-  double frozen_turn = 1.0 * math::kDegree;     // rad
+  double level_change = 3.0 * math::kDegree;       // rad
+  double heading_change = 6.5 * math::kDegree;     // rad
+  double usual_tau = 60.0;                         // s
+  double level_departure = 3.0 * math::kDegree;    // rad
+  double heading_departure = 3.5 * math::kDegree;  // rad
+  double departure_tau = 30.0;                     // s
+  double turn_error = 0.01;
+  double frozen_turn = 1.0 * math::kDegree;  // rad
 
   double confirmation_time = 0.1;  // s
   double release = 0.7;
@@ -54,6 +58,18 @@ struct InsMonitorParameters {
           {"heading_change_deg", "deg", 0.1, 90.0, "Least allowed departure in heading", kDegree});
     visit(self.usual_tau,
           {"usual_tau_s", "s", 1.0, 1e4, "Time constant of the mean that is the usual difference"});
+    visit(self.level_departure, {"level_departure_deg", "deg", 0.1, 45.0,
+                                 "Allowed departure from the gyros in roll and pitch, besides half "
+                                 "a sigma of SAHRS",
+                                 kDegree});
+    visit(self.heading_departure, {"heading_departure_deg", "deg", 0.1, 90.0,
+                                   "Allowed departure from the gyros in heading, besides half a "
+                                   "sigma of SAHRS",
+                                   kDegree});
+    visit(self.departure_tau,
+          {"departure_tau_s", "s", 1.0, 1e4, "Time over which the INS is compared with the gyros"});
+    visit(self.turn_error, {"turn_error", "-", 0.0, 1.0,
+                            "What the gyros may err by, as part of the angle turned in that time"});
     visit(
         self.frozen_turn,
         {"frozen_turn_deg", "deg", 0.01, 45.0,
