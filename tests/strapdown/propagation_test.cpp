@@ -227,7 +227,7 @@ TEST(Propagation, NeglectedClimbIsThatOfTheRotationsSecondOrder) {
       const double heading = normal(generator);
       const double bank = rho * heading + std::sqrt(1.0 - rho * rho) * normal(generator);
       const Eigen::Vector3d phi =
-          0.01 * bank * v.normalized() + Eigen::Vector3d(0.0, 0.0, 0.04 * heading);
+          0.002 * bank * v.normalized() + Eigen::Vector3d(0.0, 0.0, 0.02 * heading);
       P.topLeftCorner<3, 3>() += phi * phi.transpose() / kDraws;
       const Eigen::Vector3d left_out = math::exp_so3(phi) * v - v - phi.cross(v);
       square += left_out.z() * left_out.z() / kDraws;
@@ -236,6 +236,12 @@ TEST(Propagation, NeglectedClimbIsThatOfTheRotationsSecondOrder) {
     EXPECT_GT(lasting, 0.6 * square) << rho;
     EXPECT_LT(lasting, 2.2 * square) << rho;
   }
+}
+
+TEST(Propagation, TheClimbStaysOfUseHoweverPoorlyAttitudeIsKnown) {
+  Covariance P = Covariance::Zero();
+  P.topLeftCorner<3, 3>().setIdentity();
+  EXPECT_DOUBLE_EQ(neglected_climb<kStates>(P, {200.0, 0.0, 0.0}), 0.25);
 }
 
 TEST(Propagation, AttitudeStaysARotationForADay) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 
 #include "lodestar/strapdown/state.h"
 
@@ -77,16 +78,17 @@ void propagate(CovarianceOf<N>& P, const Step& step, const Place& place, const P
 /// exp([phi x]) v and its second order, of which the vertical part is phi_down (phi . v) / 2: with
 /// 3 deg of heading and 1 deg of bank unknown 0.1 m/s at 200 m/s, which is more than baro and load
 /// factor leave open. On a leg where bank and heading err together for a minute it does so too, and
-/// when the aircraft then pulls up it would pass for news of both: in turbulence the sigma of bank
-/// fell to a third of the error.
+/// when the aircraft then pulls up it would pass for news of both. Not more than what leaves the
+/// climb of use for the tilt, should the gyros fail.
 template <int N>
 double neglected_climb(const CovarianceOf<N>& P, const Eigen::Vector3d& air_velocity_N) {
   constexpr double kLasts = 60.0;  // s
+  constexpr double kMost = 0.25;   // (m/s)^2/Hz
   const Eigen::Vector2d v = air_velocity_N.head<2>();
   const double along = v.x() * v.x() * P(0, 0) + v.y() * v.y() * P(1, 1) +
                        2.0 * v.x() * v.y() * P(1, 0);  // variance of phi . v
   const double variance = 0.5 * P(2, 2) * along;       // between its values for rho = 0 and 1
-  return 2.0 * kLasts * variance;
+  return std::min(2.0 * kLasts * variance, kMost);
 }
 
 /// x <- Phi x with the same Phi, but for the position.
