@@ -235,6 +235,16 @@ TEST(InsMonitor, AfterAFalseAlarmByTheGyrosTheInsIsTrustedAgain) {
   EXPECT_EQ(scene.state(), InsState::kAgree);
 }
 
+TEST(InsMonitor, AnInsThatWasWrongWhenFirstHeardIsTrustedOnceItIsRight) {
+  Scene scene;
+  scene.sahrs_sigma = 1.0 * kDegree;
+  scene.ins_error = [](double t) { return Euler{0.0, t < 20.0 ? 5.0 * kDegree : 0.0, 0.0}; };
+  scene.fly(25.0);
+  ASSERT_EQ(scene.state(), InsState::kMiscompare);  // it left what was usual
+  scene.fly(120.0);
+  EXPECT_EQ(scene.state(), InsState::kAgree);
+}
+
 TEST(InsMonitor, ASlowErrorOfSahrsWithinItsSigmaIsNormal) {
   Scene scene;
   scene.sahrs_sigma = 1.2 * kDegree;

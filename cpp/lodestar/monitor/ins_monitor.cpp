@@ -142,7 +142,11 @@ void InsMonitor::follow(const samples::InsSolution& ins, const StatedAttitude& s
   reference_.follow(believed ? attitude_of(ins) : expected, sahrs.q_GB, share);
 }
 
+/// What was usual is forgotten while the INS is not believed: it may have been learnt from a wrong
+/// one, and would then keep a right one out.
 void InsMonitor::time_axes(double dt) {
+  const double share = -std::expm1(-dt / parameters_.usual_tau);
+  const bool believed = state_.state != InsState::kMiscompare;
   for (int i = 0; i < 3; ++i) {
     const double size = std::abs(state_.difference(i));
     double& time_over = state_.time_over(i);
@@ -151,8 +155,11 @@ void InsMonitor::time_axes(double dt) {
     } else if (size <= parameters_.release * state_.threshold(i)) {
       time_over = 0.0;
     }
-    if (time_over > 0.0) continue;
-    usual_(i) += (state_.difference(i) - usual_(i)) * -std::expm1(-dt / parameters_.usual_tau);
+    if (!believed) {
+      usual_(i) -= share * usual_(i);
+    } else if (time_over == 0.0) {
+      usual_(i) += share * (state_.difference(i) - usual_(i));
+    }
   }
 }
 
