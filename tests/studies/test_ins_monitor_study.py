@@ -23,6 +23,8 @@ BLIND = {
     "level_change_deg": 45,
     "heading_threshold_deg": 90,
     "heading_change_deg": 90,
+    "level_departure_deg": 45,
+    "heading_departure_deg": 90,
     "frozen_turn_deg": 45,
 }
 
