@@ -169,32 +169,28 @@ INSTANTIATE_TEST_SUITE_P(InEachAxis, Ramp,
                                          RampCase{"Heading", {0.0, 0.0, 0.5}, 10.0}),
                          [](const auto& info) { return info.param.name; });
 
-TEST(InsMonitor, ARampAgainstASlowErrorOfSahrsIsFlaggedByTheChange) {
+/// How far (deg) a heading ramp of `rate_deg` per second has come when it is told, while SAHRS,
+/// whose own threshold is 12 degrees, has been `slow_deg` to the left of the INS for minutes.
+double ramped_when_told(double slow_deg, double rate_deg) {
   Scene scene;
-  scene.sahrs_sigma = 2.0 * kDegree;  // its own threshold would be 12 degrees
-  const auto ramped = ramp({0.0, 0.0, 0.5}, 200.0);
+  scene.sahrs_sigma = 2.0 * kDegree;
+  const auto ramped = ramp({0.0, 0.0, rate_deg}, 200.0);
   scene.ins_error = [&](double t) {
     Euler e = ramped(t);
-    e.heading -= 4.0 * kDegree;  // SAHRS is 4 degrees to the right, as its sigma allows
+    e.heading += slow_deg * kDegree;
     return e;
   };
   scene.fly(200.0);
-  ASSERT_EQ(scene.state(), InsState::kAgree);
-  EXPECT_LT(0.5 * (scene.fly(300.0, InsState::kMiscompare) - 200.0), 10.0);
+  EXPECT_EQ(scene.state(), InsState::kAgree);
+  return std::abs(rate_deg) * (scene.fly(300.0, InsState::kMiscompare) - 200.0);
+}
+
+TEST(InsMonitor, ARampAgainstASlowErrorOfSahrsIsFlaggedByTheChange) {
+  EXPECT_LT(ramped_when_told(-4.0, 0.5), 10.0);
 }
 
 TEST(InsMonitor, ARampThatTakesBackALargeErrorOfSahrsIsFlagged) {
-  Scene scene;
-  scene.sahrs_sigma = 2.0 * kDegree;
-  const auto ramped = ramp({0.0, 0.0, -0.5}, 200.0);
-  scene.ins_error = [&](double t) {
-    Euler e = ramped(t);
-    e.heading += 8.0 * kDegree;  // at first the INS seems to come nearer
-    return e;
-  };
-  scene.fly(200.0);
-  ASSERT_EQ(scene.state(), InsState::kAgree);
-  EXPECT_LT(0.5 * (scene.fly(300.0, InsState::kMiscompare) - 200.0), 8.0);
+  EXPECT_LT(ramped_when_told(8.0, -0.5), 8.0);  // at first the INS seems to come nearer
 }
 
 TEST(InsMonitor, WhatSahrsCorrectsIsNoDepartureOfTheIns) {

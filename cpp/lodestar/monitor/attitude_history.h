@@ -29,7 +29,7 @@ class AttitudeHistory {
 
   void clear() { count_ = 0; }
 
-  void push(const samples::Attitude& sahrs, const Eigen::Quaterniond& q_GB = {1.0, 0.0, 0.0, 0.0}) {
+  void push(const samples::Attitude& sahrs, const Eigen::Quaterniond& q_GB) {
     newest_ = (newest_ + 1) % kCapacity;
     ring_[newest_] = {sahrs.time_us, sahrs.q_NB, sahrs.P_B, q_GB};
     if (count_ < kCapacity) ++count_;
