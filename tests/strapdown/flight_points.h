@@ -84,6 +84,7 @@ StateVectorOf<N> steps() {
     part<3>(h, kGpsError).setConstant(1.0);
     h(kBaroBias.offset) = 1.0;
     part<2>(h, kMeanWind).setConstant(1e-2);
+    part<2>(h, kGroundPadding).setConstant(1.0);
   }
   return h;
 }

@@ -3,6 +3,8 @@
 
 #include <sys/stat.h>
 
+#include <algorithm>
+#include <array>
 #include <cerrno>
 #include <cstring>
 
@@ -11,6 +13,13 @@ namespace {
 
 constexpr std::uint32_t kLongestChannel = 63;  // LCM sends no longer name
 constexpr std::size_t kBufferSize = 1 << 18;
+constexpr std::size_t kHeaderSize = 28;
+
+std::uint32_t word_at(const std::array<std::uint8_t, kHeaderSize>& header, std::size_t offset) {
+  std::uint32_t word = 0;
+  for (std::size_t i = 0; i < 4; ++i) word = word << 8 | header[offset + i];
+  return word;
+}
 
 }  // namespace
 
@@ -29,13 +38,16 @@ LogReader::LogReader(const std::string& path) : path_(path) {
 bool LogReader::next(LogEvent& event) {
   event_start_ = offset_;
   if (offset_ == size_) return false;
-  if (read_word() != kLogSync) fail("not an LCM log: no event starts here");
-  read_word();  // event number, twice 32 bits: it only counts
-  read_word();
-  const std::uint64_t high = read_word();
-  event.timestamp_us = static_cast<std::int64_t>(high << 32 | read_word());
-  const std::uint32_t channel_size = read_word();
-  const std::uint32_t data_size = read_word();
+  const std::size_t known = std::min<std::uint64_t>(kHeaderSize, size_ - offset_);
+  std::array<std::uint8_t, kHeaderSize> header{};
+  read(header.data(), known);
+  if (known >= 4 && word_at(header, 0) != kLogSync) fail("not an LCM log: no event starts here");
+  if (known < kHeaderSize) fail("truncated");
+  // The event's number, 8 bytes, only counts.
+  event.timestamp_us =
+      static_cast<std::int64_t>(std::uint64_t{word_at(header, 12)} << 32 | word_at(header, 16));
+  const std::uint32_t channel_size = word_at(header, 20);
+  const std::uint32_t data_size = word_at(header, 24);
   if (channel_size == 0 || channel_size > kLongestChannel) {
     fail("not an LCM log: a channel name of " + std::to_string(channel_size) + " bytes");
   }
@@ -59,13 +71,6 @@ void LogReader::rewind() {
 void LogReader::read(void* into, std::size_t size) {
   if (std::fread(into, 1, size, file_.get()) != size) fail("truncated");
   offset_ += size;
-}
-
-std::uint32_t LogReader::read_word() {
-  std::uint8_t bytes[4];
-  read(bytes, sizeof bytes);
-  return std::uint32_t{bytes[0]} << 24 | std::uint32_t{bytes[1]} << 16 |
-         std::uint32_t{bytes[2]} << 8 | bytes[3];
 }
 
 void LogReader::fail(const std::string& what) const {

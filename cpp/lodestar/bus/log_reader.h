@@ -50,7 +50,6 @@ class LogReader {
 
  private:
   void read(void* into, std::size_t size);
-  std::uint32_t read_word();
   [[noreturn]] void fail(const std::string& what) const;
 
   std::string path_;

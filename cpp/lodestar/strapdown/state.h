@@ -44,8 +44,9 @@ inline constexpr math::Block kWind = math::after(kPosition, 2);      // m/s, nor
 inline constexpr math::Block kGpsError = math::after(kWind, 3);      // m, in N, measured - true
 inline constexpr math::Block kBaroBias = math::after(kGpsError, 1);  // m, true height - the baro's
 inline constexpr math::Block kMeanWind = math::after(kBaroBias, 2);  // m/s, what wind returns to
-inline constexpr int kGroundStates = math::end(kMeanWind);
-static_assert(kGroundStates == 58);
+inline constexpr math::Block kGroundPadding = math::after(kMeanWind, 2);  // nought, as above
+inline constexpr int kGroundStates = math::end(kGroundPadding);
+static_assert(kGroundStates == 60);
 
 template <int N>
 using StateVectorOf = Eigen::Matrix<double, N, 1>;

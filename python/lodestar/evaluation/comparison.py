@@ -132,39 +132,45 @@ def reference_name(recording: Recording) -> str:
 def reference_at(recording: Recording, name: str, time_us: Times) -> Reference:
     """The reference channel at other times, interpolated over at most 0.2 s."""
     source = recording[name]
-    rows = source["valid"] if name == "INS" else np.ones(len(source["time_us"]), bool)
+    rows = np.flatnonzero(source["valid"]) if name == "INS" else np.arange(len(source["time_us"]))
     # A time that occurs twice is no bracket.
     known, first = np.unique(source["time_us"][rows], return_index=True)
-    values = {key: column[rows][first] for key, column in source.items()}
     after = np.clip(np.searchsorted(known, time_us, side="left"), 0, len(known) - 1)
     before = np.clip(np.searchsorted(known, time_us, side="right") - 1, 0, len(known) - 1)
     span = known[after] - known[before]
     outside = (time_us < known[0]) | (time_us > known[-1]) | (span > _LONGEST_REFERENCE_GAP_US)
     share = np.where(span > 0, (time_us - known[before]) / np.maximum(span, 1), 0.0)
     share[outside] = np.nan
+    before, after = rows[first[before]], rows[first[after]]
+    lon = np.full(len(source["lon"]), np.nan)
+    lon[rows] = np.unwrap(source["lon"][rows])
 
     def between(column: Array) -> Array:
         part = share.reshape(-1, *(1,) * (column.ndim - 1))
         blend: Array = column[before] + part * (column[after] - column[before])
         return blend
 
-    C_NB = rotation.C_NB_from_euler(*(values[angle] for angle in ("roll", "pitch", "heading")))
     return Reference(
         name=name,
-        C_NB=_turn_between(C_NB, before, after, share),
-        lat=between(values["lat"]),
-        lon=between(np.unwrap(values["lon"])),
-        h=between(values["h"]),
-        v_N=between(values["v_N"]),
-        wind_N=between(values["wind_N"]) if "wind_N" in values else None,
+        C_NB=_turn_between(source, before, after, share),
+        lat=between(source["lat"]),
+        lon=between(lon),
+        h=between(source["h"]),
+        v_N=between(source["v_N"]),
+        wind_N=between(source["wind_N"]) if "wind_N" in source else None,
     )
 
 
-def _turn_between(C_NB: Array, before: Times, after: Times, share: Array) -> Array:
-    turned = C_NB[before]
+def _turn_between(source: Channel, before: Times, after: Times, share: Array) -> Array:
+    def attitude(rows: Times) -> Array:
+        return rotation.C_NB_from_euler(
+            *(source[angle][rows] for angle in ("roll", "pitch", "heading"))
+        )
+
+    turned = attitude(before)
     inside = np.isfinite(share) & (share > 0)
     if inside.any():
-        start, end = turned[inside], C_NB[after[inside]]
+        start, end = turned[inside], attitude(after[inside])
         step = rotation.log_so3(np.swapaxes(start, 1, 2) @ end)
         turned[inside] = start @ rotation.exp_so3(share[inside, None] * step)
     turned[np.isnan(share)] = np.nan

@@ -129,6 +129,8 @@ GRIPEN = Suite(
 )
 
 _UAV_GPS = (WhiteNoise(0.5),)
+# The peer was told alpha and beta exactly; vanes that never move would be refused as stuck.
+_UAV_VANE = (WhiteNoise(radians(0.1)),)
 
 UAV = Suite(
     # Its alpha vane reads a constant 0.05 rad: the wing's lift slope is left out.
@@ -141,8 +143,8 @@ UAV = Suite(
     air_data=AirDataErrors(
         rate_hz=10,
         true_airspeed=(WhiteNoise(0.4),),
-        alpha=(),
-        beta=(),
+        alpha=_UAV_VANE,
+        beta=_UAV_VANE,
         baro_altitude=(WhiteNoise(0.15),),
     ),
     gps=GpsErrors(
