@@ -52,6 +52,7 @@ class Flown {
     const earth::Geodetic estimated{nav().lat, nav().lon, flight_.position().h};
     return earth::displacement_N(flight_before_, estimated).head<2>();
   }
+  Eigen::Vector2d velocity_error() const { return (nav().v_N - v_N_before_).head<2>(); }
   double heading_error() const {
     return math::wrap_pi(nav().heading - math::euler_from_C_NB(C_NB_before_).heading);
   }
@@ -100,6 +101,7 @@ class Flown {
     }
     flight_before_ = flight_.position();
     C_NB_before_ = flight_.C_NB();
+    v_N_before_ = flight_.v_N();
   }
 
   /// The model's field where the filter was placed: the flight's is another.
@@ -120,6 +122,7 @@ class Flown {
   std::size_t frame_ = 0;
   earth::Geodetic flight_before_;
   Eigen::Matrix3d C_NB_before_;
+  Eigen::Vector3d v_N_before_;
 };
 
 Flown fighter(std::uint32_t seed, double heading_sigma = 0.1 * kDegree) {
@@ -312,6 +315,29 @@ TEST(Integrated, FliesOnWithoutAirDataAndWithoutTheField) {
     EXPECT_LT(std::abs(run.heading_error()), 3.0 * run.nav().sigma_attitude.z());
     EXPECT_LT(std::abs(run.heading_error()), 2.0 * kDegree);
   }
+}
+
+TEST(Integrated, WithoutAnyAirDataItStartsFromTheFixes) {
+  Flown run = fighter(16);
+  run.with_air = false;
+  run.fly(9.0);
+  EXPECT_FALSE(run.nav().valid);  // they may still come
+  run.fly(6.0);
+  EXPECT_TRUE(run.nav().valid);
+  run.fly(285.0);
+  EXPECT_LT(run.position_error().norm(), 20.0);
+  EXPECT_LT(run.velocity_error().norm(), 1.5);
+  EXPECT_LT(run.velocity_error().cwiseQuotient(run.nav().sigma_velocity.head<2>()).norm(), 3.5);
+  EXPECT_LT(std::abs(run.heading_error()), 3.0 * run.nav().sigma_attitude.z());
+  EXPECT_LT(run.nav().sigma_attitude.z(), 2.0 * kDegree);
+  EXPECT_GT(run.nav().sigma_wind.minCoeff(), 5.0);  // nothing tells it
+  EXPECT_EQ(run.nav().reset_count, 0);
+
+  run.with_air = true;
+  run.fly(120.0);
+  EXPECT_LT(run.wind_error().norm(), 3.0);
+  EXPECT_LT(run.position_error().norm(), 20.0);
+  EXPECT_LT(std::abs(run.heading_error()), 1.0 * kDegree);
 }
 
 TEST(Integrated, LongStraightFlightSpoilsNeitherWindNorAirspeed) {

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from lodestar.errors import InputError
+from lodestar.harness.faults import Fault
 from lodestar.harness.scenario import load_scenario, simulate
 from lodestar.studies import ins_monitor
 from lodestar.studies.ensemble import grouped
@@ -62,12 +63,37 @@ def test_every_fault_is_told_before_it_is_dangerous(flight):
     assert len(found) >= 4
     for detection in found:
         assert detection.time_s < 20.0
-        assert np.all(detection.error_deg < list(LIMITS_DEG.values())), detection
+        assert np.all(detection.believed_deg < list(LIMITS_DEG.values())), detection
+        assert np.all(detection.believed_deg <= detection.error_deg), detection
         if detection.fault.kind == "ramp":
             error = detection.error_deg[AXES.index(detection.fault.field)]
             # One solution of the INS, 33 ms, and its constant error of 0.1 degrees, 1 sigma.
             ramped = ins_monitor.RAMP_DEG_S * detection.time_s
             assert error == pytest.approx(ramped, abs=0.4)
+
+
+def test_the_solution_that_brings_the_alarm_is_not_one_that_was_believed():
+    fault = Fault("freeze", "INS", 1.0, 1.0)
+    monitor = {
+        "time_us": np.array([900_000, 1_100_000]),
+        "state": np.array([1, 3], np.uint8),
+    }
+    ins_us = np.array([1_000_000, 1_050_000, 1_100_000, 1_150_000])
+    error = np.array([[0.1, 0, 0], [-0.2, 0, 0], [6.0, 0, 0], [9.0, 0, 0]])
+    found = ins_monitor._detected(fault, monitor, ins_us, error)
+    assert found.time_s == pytest.approx(0.1)
+    assert found.believed_deg[0] == 0.2
+    assert found.error_deg[0] == 6.0
+
+
+def test_an_error_that_was_believed_fails_the_study(flown):
+    (failing,) = [one for one in flown if one.cell.case.endswith("/failing")]
+    (result,) = failing.results
+    late = replace(result, figures=result.figures | {"freeze_roll_believed_deg": 5.1})
+    found = findings("ins-monitor", [replace(failing, results=(late,))])
+    assert found.failures == [
+        "ordinary/profile/failing/freeze ins-monitor roll_before_alarm_max_deg is 5.1, limit 5",
+    ]
 
 
 def test_a_fault_that_nobody_sees_is_counted(flight):

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <utility>
 
 #include "lodestar/earth/wgs84.h"
 #include "lodestar/fusion/dead_reckoning.h"
@@ -21,6 +22,8 @@ using strapdown::GroundPoint;
 
 constexpr double kUnknown = 1e4;  // m, position before the first fix
 constexpr std::int64_t kSigmaStep_us = 100'000;
+constexpr double kNoAir = 10.0;   // s without air data, and there are none
+constexpr double kNextFix = 3.0;  // s, between two fixes that make a velocity
 
 // A risk of 1e-5 per hour, spread over the errors of an hour that are independent of each other
 // (GPS's slow error stays alike for 150 s): a circle of this many sigma holds a two-dimensional
@@ -68,6 +71,11 @@ Use Integrated::update(const samples::MagneticField& sample) {
   return guard_.vet(sample) ? guard_.update(sample) : Use::kAssumption;
 }
 
+Use Integrated::update(const samples::AirData& sample) {
+  air_us_ = now_us_;
+  return guard_.update(sample);
+}
+
 void Integrated::follow(const samples::Attitude& sahrs) {
   const bool aligned = sahrs.mode != samples::AttitudeMode::kWaiting &&
                        sahrs.mode != samples::AttitudeMode::kRealigning;
@@ -96,12 +104,28 @@ void Integrated::begin(const samples::Attitude& sahrs) {
              parameters_.initial_position_sigma);
   }
   begun_ = true;
+  air_us_ = now_us_;
+  last_.reset();
   headings_.restart();
 }
 
 void Integrated::start_at(double lat, double lon, double sigma) {
   filter().set_ground_position(lat, lon, sigma);
   positioned_ = true;
+}
+
+/// Air data give the air velocity at once. Where none come it begins with the way from one fix to
+/// the next.
+void Integrated::start_without_air(const samples::GpsFix& fix) {
+  if (fix.fix_type == 2) return;  // without height
+  const std::optional<samples::GpsFix> before = std::exchange(last_, fix);
+  if (!before || seconds(now_us_ - air_us_) < kNoAir) return;
+  const double dt = seconds(fix.time_us - before->time_us);
+  if (!(dt > 0.0) || dt > kNextFix) return;
+  const Eigen::Vector3d way =
+      earth::displacement_N({before->lat, before->lon, before->h}, {fix.lat, fix.lon, fix.h});
+  filter().start_over_ground(way / dt, fix.h);
+  last_.reset();
 }
 
 void Integrated::coast(std::int64_t time_us) {
@@ -117,7 +141,11 @@ void Integrated::coast(std::int64_t time_us) {
 }
 
 Use Integrated::update(const samples::GpsFix& fix) {
-  if (!guard_.running() || !filter().has_velocity()) return Use::kHeld;
+  if (!guard_.running()) return Use::kHeld;
+  if (!filter().has_velocity()) {
+    start_without_air(fix);
+    return Use::kHeld;
+  }
   std::optional<GroundPoint> at = filter().ground_at(fix.time_us);
   if (!at) return Use::kHeld;
   if (fix_motion_.stands_still(fix, at->air_velocity_N.head<2>())) return Use::kGated;

@@ -36,7 +36,7 @@ class Integrated {
   void propagate(const samples::BodyRates& rates);
   samples::Use update(const samples::LoadFactor& sample) { return guard_.update(sample); }
   samples::Use update(const samples::MagneticField& sample);  // calibrated
-  samples::Use update(const samples::AirData& sample) { return guard_.update(sample); }
+  samples::Use update(const samples::AirData& sample);
 
   /// Ends the frame. Starts from the attitude of SAHRS where there is none of its own.
   void follow(const samples::Attitude& sahrs);
@@ -68,6 +68,7 @@ class Integrated {
   bool started() const { return positioned_ && guard_.running() && filter().has_velocity(); }
   void begin(const samples::Attitude& sahrs);
   void start_at(double lat, double lon, double sigma);
+  void start_without_air(const samples::GpsFix& fix);
   PositionUpdate compare(const samples::GpsFix& fix, const strapdown::GroundPoint& at);
   /// Of the latest fix from the track as it would be without any correction (m, north, east): what
   /// corrections do to the position says nothing of the fixes.
@@ -94,8 +95,10 @@ class Integrated {
   std::int64_t flown_us_ = 0;  // the last frame with an attitude
   std::int64_t sigma_us_ = 0;
   HeadingRecord headings_;
-  bool begun_ = false;       // once at least
-  bool positioned_ = false;  // a position is known
+  std::int64_t air_us_ = 0;              // the last air data, or the last start
+  std::optional<samples::GpsFix> last_;  // fix, while there is no velocity
+  bool begun_ = false;                   // once at least
+  bool positioned_ = false;              // a position is known
   bool ever_aided_ = false;
   std::int64_t aided_us_ = 0;
   double noise_ = 1.0;  // m^2, of the latest fix

@@ -42,6 +42,26 @@ void GroundFilter::set_ground_position(double lat, double lon, double sigma) {
 }
 
 template <>
+void GroundFilter::start_over_ground(const Eigen::Vector3d& v_N, double height) {
+  constexpr double kWide = 100.0;  // m/s, m
+  Eigen::Vector3d air_velocity_N = v_N;
+  air_velocity_N.head<2>() -= x_.wind_N;
+  if (held_) air_velocity_N = turn_of(part<3>(offset_, kAttitude)).conjugate() * air_velocity_N;
+  x_.air_velocity_N = air_velocity_N;
+  x_.gust_B.setZero();
+  x_.height = x_.baro_height = height - x_.baro_bias;
+  for (const math::Block block : {kVelocity, kHeight, kBaroHeight, kGust}) forget(P_, block);
+  auto diagonal = P_.diagonal();
+  part<3>(diagonal, kVelocity).setConstant(kWide * kWide);
+  part<3>(diagonal, kGust).setConstant(gust_level_.sigma() * gust_level_.sigma());
+  diagonal(kHeight.offset) = diagonal(kBaroHeight.offset) = kWide * kWide;
+  P_(kBaroHeight.offset, kHeight.offset) = kWide * kWide;  // one is the other
+  follow_transport();
+  has_velocity_ = true;
+  forget_history();
+}
+
+template <>
 std::optional<GroundPoint> GroundFilter::ground_at(std::int64_t time_us) const {
   Moment moment;
   if (!locate(time_us, moment)) return std::nullopt;

@@ -303,10 +303,14 @@ samples::Use StrapdownFilter<N>::update(const samples::AirData& sample) {
   learn_air(seconds(sample.time_us, air_us_));
   air_us_ = sample.time_us;
   follow_baro(sample);
-  if (std::cos(place_.lat) > kNearestPole) {
-    place_.transport_rate_N = earth::transport_rate_N(place_.lat, h_, x_.v_N());
-  }
+  follow_transport();
   return use;
+}
+
+template <int N>
+void StrapdownFilter<N>::follow_transport() {
+  if (std::cos(place_.lat) <= kNearestPole) return;
+  place_.transport_rate_N = earth::transport_rate_N(place_.lat, h_, x_.v_N());
 }
 
 /// A baro altitude that stays off is one on another scale, or the climb was wrong; either way how

@@ -77,6 +77,10 @@ class StrapdownFilter {
 
   /// Over the ground: the position (rad) is known anew, to `sigma` (m, per axis).
   void set_ground_position(double lat, double lon, double sigma);
+  /// Where there are no air data: air velocity and height begin with the ground velocity `v_N`
+  /// (m/s) and `height` (m) that two fixes make, and with the wind as it is estimated. They are
+  /// next to unknown then; fixes tell them.
+  void start_over_ground(const Eigen::Vector3d& v_N, double height);
   /// Moves it by `offset` (m, north, east).
   void displace(const Eigen::Vector2d& offset) { x_.displace(offset); }
   /// What was estimated at `time_us`, as far as it is known now; none before the last second.
@@ -149,6 +153,7 @@ class StrapdownFilter {
   void fold_in(const Vector& correction);
   void forget_history();
   void start_velocity(const samples::AirData& sample);
+  void follow_transport();
   void follow_baro(const samples::AirData& sample);
   void remember(const Eigen::Vector3d& force_B, double dt);
   bool locate(std::int64_t time_us, Moment& moment) const;
@@ -213,6 +218,8 @@ template <>
 void GroundFilter::restart_ground(const Estimate& best, const Matrix& before);
 template <>
 void GroundFilter::set_ground_position(double lat, double lon, double sigma);
+template <>
+void GroundFilter::start_over_ground(const Eigen::Vector3d& v_N, double height);
 template <>
 std::optional<GroundPoint> GroundFilter::ground_at(std::int64_t time_us) const;
 

@@ -62,7 +62,9 @@ class Detection:
     time_s: float
     """From its begin to the alarm; inf if there was none while it lasted."""
     error_deg: Array
-    """Largest error of the INS until then, per axis."""
+    """Largest error of the INS until then, per axis, of the solution that was told included."""
+    believed_deg: Array
+    """Largest error of the solutions that came before the alarm."""
 
     @property
     def kind(self) -> str:
@@ -194,13 +196,23 @@ def _detected(fault: Fault, monitor: Channel, ins_us: NDArray[np.int64], error: 
     start, end = fault.start_s * 1e6, (fault.start_s + fault.duration_s) * 1e6
     alarm = (time_us >= start) & (time_us < end) & ((state == _MISCOMPARE) | (state == _NO_INS))
     told = float(time_us[alarm][0]) if alarm.any() else inf
-    until = (ins_us >= start) & (ins_us <= min(told, end))
-    worst = np.abs(error[until]).max(axis=0, initial=0.0)
-    return Detection(fault, (told - start) * 1e-6, worst)
+    failed = (ins_us >= start) & (ins_us <= end)
+
+    def worst(rows: NDArray[np.bool_]) -> Array:
+        largest: Array = np.abs(error[failed & rows]).max(axis=0, initial=0.0)
+        return largest
+
+    time_s = (told - start) * 1e-6
+    return Detection(fault, time_s, worst(ins_us <= told), worst(ins_us < told))
 
 
 _OF_WORKING = ("hours", "alarms", *(f"closest_{axis}" for axis in AXES))
-_OF_KIND = ("faults", "undetected", "time_s", *(f"{axis}_deg" for axis in AXES))
+_OF_KIND = (
+    "faults",
+    "undetected",
+    "time_s",
+    *(f"{axis}_{which}deg" for which in ("", "believed_") for axis in AXES),
+)
 _FIGURES = (*_OF_WORKING, *(f"{kind}_{figure}" for kind in KINDS for figure in _OF_KIND))
 
 
@@ -215,8 +227,8 @@ def _found(detections: Sequence[Detection]) -> dict[str, float]:
     for kind in KINDS:
         of_kind = [one for one in detections if one.kind == kind]
         seen = [one.time_s for one in of_kind if one.time_s < inf]
-        error = np.array([one.error_deg for one in of_kind]).reshape(-1, len(AXES))
-        worst = error.max(axis=0) if len(error) else np.full(len(AXES), nan)
+        error = np.array([np.hstack([one.error_deg, one.believed_deg]) for one in of_kind])
+        worst = error.max(axis=0) if len(error) else np.full(2 * len(AXES), nan)
         values = (len(of_kind), len(of_kind) - len(seen), max(seen, default=nan), *worst)
         names = (f"{kind}_{figure}" for figure in _OF_KIND)
         figures |= dict(zip(names, map(float, values), strict=True))
