@@ -148,6 +148,21 @@ TEST(Propagation, OverTheGroundTheCovarianceFollowsCentralDifferences) {
   }
 }
 
+TEST(Propagation, WindAndAirVelocityOverTheSameGroundStayKnownTogetherOnly) {
+  for (const FlightPoint& point : flight_points()) {
+    GroundVector apart = GroundVector::Zero();  // 3 and 4 m/s more wind, and less air velocity
+    part<2>(apart, kWind) << 3.0, 4.0;
+    apart.segment<2>(kVelocity.offset) << -3.0, -4.0;
+    GroundMatrix P = apart * apart.transpose();
+    Estimate x = over_ground(point);
+    const Step step = move(x, point.omega_B, point.force_B, sweden(), 1.0 / 60.0);
+    propagate<kGroundStates>(P, step, sweden(), ProcessNoise{});
+    const GroundMatrix got = P.selfadjointView<Eigen::Lower>();
+    // Of second order in the frame is what the climb has of it.
+    EXPECT_LT((got - apart * apart.transpose()).norm(), 2e-6) << point.name;
+  }
+}
+
 TEST(Propagation, AChangeOfWindIsNoneOfGroundVelocity) {
   Step step;
   step.dt = 0.01;

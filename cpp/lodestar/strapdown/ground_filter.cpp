@@ -6,6 +6,11 @@
 // What only the filter with a ground does.
 
 namespace lodestar::strapdown {
+namespace {
+
+constexpr std::int64_t kSilent_us = 1'000'000;  // of air data
+
+}  // namespace
 
 template <>
 void GroundFilter::fly_over_ground(const Step& step, const ProcessNoise& noise) {
@@ -13,6 +18,7 @@ void GroundFilter::fly_over_ground(const Step& step, const ProcessNoise& noise) 
   x_.baro_bias *= noise.baro_bias_decay;
   x_.return_wind(noise.wind_return);
   travelled_ += move_over_ground(x_, best_velocity(step.air_velocity_N), step.dt);
+  if (now_us_ - air_us_ > kSilent_us) follow_transport();  // else the air data do so
 }
 
 /// Position and wind go on as they were estimated, the position as well as it was known `before`.

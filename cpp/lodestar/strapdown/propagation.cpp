@@ -148,6 +148,32 @@ void return_wind(CovarianceOf<kGroundStates>& P, double share) {
   }
 }
 
+/// P <- A P A' with A = I + D, where D has rows only from `offset` on: `moved` is P D', `twice` the
+/// corner of D P D'.
+template <int Rows>
+void add_rows(CovarianceOf<kGroundStates>& P, int offset,
+              const Eigen::Matrix<double, kGroundStates, Rows>& moved,
+              const Eigen::Matrix<double, Rows, Rows>& twice) {
+  const Eigen::Matrix<double, Rows, Rows> corner = moved.template middleRows<Rows>(offset);
+  const int after = kGroundStates - offset - Rows;
+  for (int j = 0; j < Rows; ++j) {
+    P.row(offset + j).head(offset) += moved.col(j).head(offset).transpose();
+    P.col(offset + j).tail(after) += moved.col(j).tail(after);
+  }
+  P.block<Rows, Rows>(offset, offset) += corner + corner.transpose() + twice;
+}
+
+/// The Coriolis acceleration is that of the ground velocity, wind included: without it filters that
+/// fly long without air data take it for news of the wind.
+void turn_wind(CovarianceOf<kGroundStates>& P, const Step& step, const Place& place) {
+  const Eigen::Matrix<double, 3, 2> by_wind =
+      -step.dt * math::skew(2.0 * place.earth_rate_N + place.transport_rate_N).leftCols<2>();
+  const Eigen::Matrix<double, kGroundStates, 3> moved =
+      symmetric_columns<2>(P, kWind.offset).lazyProduct(by_wind.transpose());
+  const Eigen::Matrix3d twice = by_wind * moved.middleRows<2>(kWind.offset);
+  add_rows<3>(P, kVelocity.offset, moved, twice);
+}
+
 /// How the east error grows with the position error, (m/s)/m: meridians converge.
 Eigen::Vector2d curvature(const Step& step, const Place& place) {
   const double tangent = std::tan(place.lat) / earth::kSemiMajorAxis;
@@ -170,13 +196,7 @@ void move_position(CovarianceOf<kGroundStates>& P, const Step& step, const Place
       step.dt * (moved.middleRows<2>(kVelocity.offset) + moved.middleRows<2>(kWind.offset));
   twice.row(1) +=
       step.dt * curvature(step, place).transpose() * moved.middleRows<2>(kPosition.offset);
-  const Eigen::Matrix2d corner = moved.middleRows<2>(kPosition.offset);
-  for (int j = 0; j < 2; ++j) {
-    const int c = kPosition.offset + j;
-    P.row(c).head(kPosition.offset) += moved.col(j).head(kPosition.offset).transpose();
-    P.col(c).tail(kN - math::end(kPosition)) += moved.col(j).tail(kN - math::end(kPosition));
-  }
-  P.block<2, 2>(kPosition.offset, kPosition.offset) += corner + corner.transpose() + twice;
+  add_rows<2>(P, kPosition.offset, moved, twice);
 }
 
 }  // namespace
@@ -223,6 +243,7 @@ void propagate(CovarianceOf<N>& P, const Step& step, const Place& place,
   decay<N>(P, kFieldDrift, noise.field_drift_decay);
   decay<N>(P, kGust, noise.gust_decay);
   if constexpr (kOverGround<N>) {
+    turn_wind(P, step, place);
     move_position(P, step, place);
     if (noise.wind_return > 0.0) return_wind(P, noise.wind_return);
     decay<N>(P, kGpsError, noise.gps_error_decay);

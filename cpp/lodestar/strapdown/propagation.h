@@ -68,9 +68,9 @@ Step move(Estimate& x, const Eigen::Vector3d& omega_B, const Eigen::Vector3d& fo
 ///
 /// Over the ground also (north and east of)
 ///     dp' = dv - v x phi + dw + curvature dp,   dw' = (dm - dw) / tau + n,   dm' = part of n
-/// where the wind's change, of both kinds, is the air velocity's with the other sign: ground
-/// velocity has none of it. What the wind's Coriolis acceleration errs by (1e-4 m/s^2 per m/s) is
-/// left out, and that phi turns the wind's return, phi x (m - w) / tau.
+/// and dv' has the Coriolis acceleration of dv + dw, where the wind's change, of both kinds, is the
+/// air velocity's with the other sign: ground velocity has none of it. Left out is that phi turns
+/// the wind's return, phi x (m - w) / tau.
 template <int N>
 void propagate(CovarianceOf<N>& P, const Step& step, const Place& place, const ProcessNoise& noise);
 

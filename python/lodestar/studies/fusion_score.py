@@ -68,11 +68,11 @@ class Flight:
         for channel in ("SAHRS", "NAV"):
             thin.channels[channel] = _thinned(answered[channel])
         compared = compare(thin)
-        nav, sahrs, before = compared.nav, compared.sahrs, compared.dead_reckoning
+        nav, sahrs = compared.nav, compared.sahrs
         assert nav is not None
         assert sahrs is not None
         assert sahrs.attitude is not None
-        assert before is not None
+        before = compared.dead_reckoning or _unknown(nav)
         assert np.array_equal(nav.time_us, sahrs.time_us)
         time_s = np.asarray(nav.time_us * 1e-6, np.float64)
         losses = tuple(compared.gps_losses)
@@ -256,12 +256,29 @@ def _thinned(channel: Channel) -> Channel:
     return {name: column[::step] for name, column in channel.items()}
 
 
+def _unknown(nav: Estimates) -> Estimates:
+    """What dead reckoning gives without air data: nothing."""
+
+    def nowhere(names: tuple[str, ...]) -> Series:
+        return Series(names, np.full((len(nav.time_us), len(names)), np.nan))
+
+    return Estimates(
+        time_us=nav.time_us,
+        available=0.0,
+        position=nowhere(_of(nav.position).names),
+        velocity=nowhere(_of(nav.velocity).names),
+        wind=nowhere(_of(nav.wind).names),
+    )
+
+
 def _frozen(answered: Recording, losses: tuple[Gap, ...], nav: Estimates) -> Array:
     """Error (n, 2), at the times of ``nav``, of SAHRS and air data alone in losses of GPS, m.
 
     It starts from NAV's position, and the wind stays as NAV had it then.
     """
     error = np.full((len(nav.time_us), 2), np.nan)
+    if not len(answered["ADC"]["time_us"]):
+        return error
     for gap in losses:
         sahrs, answer = answered["SAHRS"], answered["NAV"]
         inside = (sahrs["time_us"] >= gap.start_us) & (sahrs["time_us"] < gap.end_us)
