@@ -13,6 +13,7 @@ from lodestar.evaluation.comparison import Estimates, Series
 from lodestar.evaluation.dead_reckoning import air_velocity_N
 from lodestar.evaluation.fusion_requirements import EKF2, SCENARIOS_WITH_GOALS, goals
 from lodestar.evaluation.metrics import Gap
+from lodestar.harness.faults import Fault, inject
 from lodestar.harness.scenario import fly_truth, load_scenario, measure
 from lodestar.navigator import run
 from lodestar.studies import fusion
@@ -317,6 +318,20 @@ def test_sahrs_alone_drifts_by_its_velocity_and_the_wind_at_the_loss(short):
     drift = np.trapezoid((v_N - true)[:, :2], sahrs["time_us"][rows] * 1e-6, axis=0)
     # On a flat Earth, and the last of the samples 0.2 s before the end.
     np.testing.assert_allclose(one.frozen[inside[-1]] - one.frozen[inside[0]], drift, atol=1.5)
+
+
+def test_a_flight_without_air_data_is_scored_but_for_what_they_would_give(short):
+    study, sensed, _ = short
+    (scenario,) = study.scenarios
+    silent = inject(sensed, [Fault("dropout", "ADC", 0.0, scenario.duration_s)], 3)
+    flown = FusionStudy((scenario,), filters=("integrated",), starts=("init",))
+    (variant,) = flown.variants.values()
+    got = scored(Flight.of(run(silent, variant.config(silent)), scenario))
+    assert got["valid_share"] > 0.9
+    assert got["heading_rmse_deg"] < 2
+    assert got["aided_position_north_rmse_m"] < 15
+    assert 0 < got["end_20s_m"] < 100
+    assert np.isnan([got["before_velocity_north_rmse_m_s"], got["frozen_end_20s_m"]]).all()
 
 
 # The command
