@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // What fixes, gusts and innovations say of themselves: FixLine, FixMotion, FixNoise, Reacquisition,
-// WindWatch, GustMeter.
+// InnovationWatch, GustMeter.
 #include <gtest/gtest.h>
 
 #include <random>
@@ -9,8 +9,8 @@
 #include "lodestar/fusion/fix_motion.h"
 #include "lodestar/fusion/fix_noise.h"
 #include "lodestar/fusion/gust_meter.h"
+#include "lodestar/fusion/innovation_watch.h"
 #include "lodestar/fusion/reacquisition.h"
-#include "lodestar/fusion/wind_watch.h"
 #include "lodestar/math/gauss_markov.h"
 
 namespace lodestar::fusion {
@@ -176,20 +176,20 @@ TEST(Reacquisition, EndsWhenTheFixesStop) {
   EXPECT_FALSE(reacquisition.stale(us(4.1)));
 }
 
-TEST(WindWatch, IsQuietOnWhiteInnovationsAtItsRate) {
+TEST(InnovationWatch, IsQuietOnWhiteInnovationsAtItsRate) {
   Noise noise(5);
-  WindWatch watch(filter::chi_square_threshold(2, 1e-2));
+  InnovationWatch watch(filter::chi_square_threshold(2, 1e-2), 3.0);
   int alarms = 0;
-  for (int i = 0; i < 20000; ++i) alarms += watch.changed(noise.pair(1.0), 1.0) ? 1 : 0;
+  for (int i = 0; i < 20000; ++i) alarms += watch.alarms(noise.pair(1.0), 1.0) ? 1 : 0;
   EXPECT_GT(alarms, 20);
   EXPECT_LT(alarms, 250);  // 200 if each mean were a draw of its own
 }
 
-TEST(WindWatch, NoticesInnovationsThatAllPointOneWay) {
+TEST(InnovationWatch, NoticesInnovationsThatAllPointOneWay) {
   Noise noise(6);
-  WindWatch watch(filter::chi_square_threshold(2, 1e-3));
+  InnovationWatch watch(filter::chi_square_threshold(2, 1e-3), 3.0);
   int seconds = 0;
-  while (!watch.changed(Vector2d(2.5, 0.0) + noise.pair(1.0), 1.0)) ++seconds;
+  while (!watch.alarms(Vector2d(2.5, 0.0) + noise.pair(1.0), 1.0)) ++seconds;
   EXPECT_LT(seconds, 6);
 }
 

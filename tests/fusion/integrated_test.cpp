@@ -241,6 +241,20 @@ TEST(Integrated, AJumpThatLastsIsBelievedWithinTenSecondsAndTold) {
   EXPECT_NEAR(run.nav().reset_delta.x(), 500.0, 20.0);
 }
 
+TEST(Integrated, ASlowDragOffIsToldThoughNoFixIsBeyondTheGate) {
+  Flown run = fighter(17);
+  run.fly(240.0);
+  ASSERT_EQ(run.nav().reset_count, 0);
+  double dragged = 0.0;
+  run.spoil = [&](samples::GpsFix& fix) { fix.lat += (dragged += 2.0) / 6.4e6; };  // 2 m/s
+  const int before = run.used;
+  run.fly(30.0);
+  EXPECT_EQ(run.nav().reset_count, 1);
+  EXPECT_GT(run.nav().reset_delta.x(), 2.0);
+  EXPECT_GT(run.used - before, 20);
+  EXPECT_EQ(run.nav().mode, FusionMode::kAiding);
+}
+
 TEST(Integrated, FixesThatScatterAreNotBelieved) {
   Flown run = fighter(7);
   run.fly(120.0);

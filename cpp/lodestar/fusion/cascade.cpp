@@ -18,6 +18,7 @@ using samples::Use;
 constexpr double kLongestError = 200.0;  // m
 // A reset beyond this starts the filter anew: what it knew of wind and heading is as doubtful.
 constexpr double kFarthest = 20e3;      // m
+constexpr double kWindMemory = 3.0;     // s, of the mean of the innovations that is watched
 constexpr double kWindResponse = 1.0;   // s, from a change of wind to its innovation
 constexpr double kLargestScale = 20.0;  // of sigma, when fixes contradict the filter
 
@@ -28,7 +29,7 @@ Cascade::Cascade(const CascadeParameters& parameters)
       gate_(parameters.gps_false_rejection),
       vertical_(parameters),
       fix_noise_(parameters.gps_noise),
-      wind_watch_(filter::chi_square_threshold(2, parameters.wind_change_false_alarm)),
+      wind_watch_(filter::chi_square_threshold(2, parameters.wind_change_false_alarm), kWindMemory),
       reacquisition_(parameters.reacquisition_time) {}
 
 Use Cascade::update(const samples::AirData& air) {
@@ -137,7 +138,7 @@ bool Cascade::compare(const samples::GpsFix& fix, const Step& step) {
 void Cascade::watch_wind(const samples::GpsFix& fix, ErrorEstimate& estimate) {
   const double dt = ever_aided_ ? seconds(fix.time_us - aided_us_) : 0.0;
   const Eigen::Vector2d normalised = innovation_.cwiseQuotient(innovation_sigma_);
-  if (!wind_watch_.changed(normalised, dt)) return;
+  if (!wind_watch_.alarms(normalised, dt)) return;
   estimate.doubt_wind(innovation_.norm() / kWindResponse);
 }
 

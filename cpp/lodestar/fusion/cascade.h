@@ -12,11 +12,11 @@
 #include "lodestar/fusion/fix_motion.h"
 #include "lodestar/fusion/fix_noise.h"
 #include "lodestar/fusion/gust_meter.h"
+#include "lodestar/fusion/innovation_watch.h"
 #include "lodestar/fusion/reacquisition.h"
 #include "lodestar/fusion/step_history.h"
 #include "lodestar/fusion/track_history.h"
 #include "lodestar/fusion/vertical_channel.h"
-#include "lodestar/fusion/wind_watch.h"
 #include "lodestar/samples/outputs.h"
 #include "lodestar/samples/samples.h"
 #include "lodestar/samples/use.h"
@@ -97,7 +97,7 @@ class Cascade {
   GustMeter gust_meter_;
   FixMotion fix_motion_;
   FixNoise fix_noise_;
-  WindWatch wind_watch_;
+  InnovationWatch wind_watch_;
   Reacquisition reacquisition_;
   samples::Attitude sahrs_;
   samples::AirData air_;

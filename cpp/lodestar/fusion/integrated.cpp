@@ -22,8 +22,9 @@ using strapdown::GroundPoint;
 
 constexpr double kUnknown = 1e4;  // m, position before the first fix
 constexpr std::int64_t kSigmaStep_us = 100'000;
-constexpr double kNoAir = 10.0;   // s without air data, and there are none
-constexpr double kNextFix = 3.0;  // s, between two fixes that make a velocity
+constexpr double kWatchMemory = 10.0;  // s
+constexpr double kNoAir = 10.0;        // s without air data, and there are none
+constexpr double kNextFix = 3.0;       // s, between two fixes that make a velocity
 
 // A risk of 1e-5 per hour, spread over the errors of an hour that are independent of each other
 // (GPS's slow error stays alike for 150 s): a circle of this many sigma holds a two-dimensional
@@ -59,6 +60,7 @@ Integrated::Integrated(const IntegratedParameters& parameters,
     : parameters_(parameters),
       gate_(parameters.gps_false_rejection),
       fix_noise_(parameters.gps_noise),
+      watch_(filter::chi_square_threshold(2, parameters.gps_drift_false_alarm), kWatchMemory),
       reacquisition_(parameters.reacquisition_time),
       guard_(filter_parameters, limits, field_model, epoch_year, parameters.ground) {}
 
@@ -157,7 +159,7 @@ Use Integrated::update(const samples::GpsFix& fix) {
     at = filter().ground_at(fix.time_us);
   }
   PositionUpdate update = compare(fix, *at);
-  const bool passed = passes(update, fix.fix_type != 2);
+  const bool passed = passes(update, fix.fix_type != 2) && !doubts(fix);
   const bool at_once = passed && (!ever_aided_ || fresh(fix.time_us));
   const bool believed = at_once || reacquisition_.examine(fix.time_us, offset(), std::sqrt(noise_));
   if (!believed) {
@@ -186,6 +188,18 @@ Integrated::PositionUpdate Integrated::compare(const samples::GpsFix& fix, const
   return update;
 }
 
+/// Whether fixes have come from one side for a while, though each is within its gate: a receiver
+/// that is dragged off slowly. Those after a loss do, and are examined anyway.
+bool Integrated::doubts(const samples::GpsFix& fix) {
+  if (!fresh(fix.time_us)) {
+    watch_.restart();
+  } else if (!doubted_) {
+    doubted_ = watch_.alarms(innovation_.cwiseQuotient(innovation_sigma_),
+                             seconds(fix.time_us - aided_us_));
+  }
+  return doubted_;
+}
+
 /// Whether the horizontal position passes the gate; the height is left out if it does not.
 bool Integrated::passes(PositionUpdate& update, bool has_height) {
   const Eigen::Matrix2d S = update.S().topLeftCorner<2, 2>();
@@ -209,6 +223,8 @@ void Integrated::reset(const samples::GpsFix& fix, const GroundPoint& at, bool p
   navigation_.reset_delta = filter().position_corrections() - before;
   ++navigation_.reset_count;
   reacquisition_.cancel();
+  watch_.restart();
+  doubted_ = false;
 }
 
 /// Fixes that agree among themselves contradict the filter: it is told to doubt itself as much as

@@ -8,6 +8,7 @@
 #include "lodestar/fusion/fix_motion.h"
 #include "lodestar/fusion/fix_noise.h"
 #include "lodestar/fusion/heading_record.h"
+#include "lodestar/fusion/innovation_watch.h"
 #include "lodestar/fusion/integrated_parameters.h"
 #include "lodestar/fusion/reacquisition.h"
 #include "lodestar/samples/outputs.h"
@@ -74,6 +75,7 @@ class Integrated {
   /// corrections do to the position says nothing of the fixes.
   Eigen::Vector2d offset() const { return innovation_ + filter().position_corrections(); }
   bool passes(PositionUpdate& update, bool has_height);
+  bool doubts(const samples::GpsFix& fix);
   void reset(const samples::GpsFix& fix, const strapdown::GroundPoint& at, bool passed);
   void yield_to_fixes();
   void correct(const samples::GpsFix& fix, const PositionUpdate& update);
@@ -88,6 +90,7 @@ class Integrated {
   filter::Gate gate_;
   FixMotion fix_motion_;
   FixNoise fix_noise_;
+  InnovationWatch watch_;
   Reacquisition reacquisition_;
   strapdown::GuardedFilter<strapdown::kGroundStates> guard_;
 
@@ -100,6 +103,7 @@ class Integrated {
   bool begun_ = false;                   // once at least
   bool positioned_ = false;              // a position is known
   bool ever_aided_ = false;
+  bool doubted_ = false;  // fixes come from one side: they are under examination
   std::int64_t aided_us_ = 0;
   double noise_ = 1.0;  // m^2, of the latest fix
   Eigen::Vector2d innovation_ = Eigen::Vector2d::Zero();

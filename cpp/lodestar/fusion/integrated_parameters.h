@@ -13,6 +13,7 @@ struct IntegratedParameters : GpsAcceptance {
   strapdown::GroundParameters ground;
   double gps_noise = 1.0;           // m
   double gps_velocity_noise = 0.1;  // m/s
+  double gps_drift_false_alarm = 4e-6;
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
@@ -32,6 +33,9 @@ struct IntegratedParameters : GpsAcceptance {
           {"gps_noise_m", "m", 0.01, 1e3, "White noise of a GPS position, per axis, at least"});
     visit(self.gps_velocity_noise, {"gps_velocity_noise_m_s", "m/s", 0.001, 100.0,
                                     "Noise of a GPS velocity, per axis, at least"});
+    visit(self.gps_drift_false_alarm,
+          {"gps_drift_false_alarm", "-", 1e-12, 0.1,
+           "Probability that ten seconds of good fixes pass for a receiver that is dragged off"});
     describe_acceptance(self, visit);
   }
 };

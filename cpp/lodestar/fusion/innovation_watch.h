@@ -6,13 +6,13 @@
 
 namespace lodestar::fusion {
 
-/// Notices that the wind has changed. Innovations of a filter that is right are white; those of one
-/// whose wind is wrong all point the same way. So their mean over a few seconds tells a change of
-/// wind long before one of them is beyond the gate, and the steady level of the wind's process
-/// noise can stay that of steady wind.
-class WindWatch {
+/// Notices that a filter or what it is told is wrong. Innovations of a filter that is right are
+/// white; those of one whose wind has changed, or whose receiver is dragged off, all point the same
+/// way. So their mean over some seconds tells it long before one of them is beyond the gate.
+class InnovationWatch {
  public:
-  explicit WindWatch(double threshold) : threshold_(threshold) {}
+  /// `threshold` of the mean (chi-square, 2 degrees of freedom), `memory` (s) of the mean.
+  InnovationWatch(double threshold, double memory) : threshold_(threshold), memory_(memory) {}
 
   void restart() {
     mean_.setZero();
@@ -20,10 +20,9 @@ class WindWatch {
   }
 
   /// The next innovation in units of its own standard deviation, `dt` (s) after the last. True if
-  /// the mean is beyond the threshold (chi-square, 2 degrees of freedom); the watch then starts
-  /// anew.
-  bool changed(const Eigen::Vector2d& normalised, double dt) {
-    const double keep = std::exp(-dt / kMemory);
+  /// the mean is beyond the threshold; the watch then starts anew.
+  bool alarms(const Eigen::Vector2d& normalised, double dt) {
+    const double keep = std::exp(-dt / memory_);
     mean_ = keep * mean_ + (1.0 - keep) * normalised;
     variance_ = keep * keep * variance_ + (1.0 - keep) * (1.0 - keep);
     if (mean_.squaredNorm() <= threshold_ * variance_) return false;
@@ -32,9 +31,8 @@ class WindWatch {
   }
 
  private:
-  static constexpr double kMemory = 3.0;  // s
-
   double threshold_;
+  double memory_;
   double variance_ = 0.0;  // of the mean, if the innovations are white
   Eigen::Vector2d mean_ = Eigen::Vector2d::Zero();
 };
