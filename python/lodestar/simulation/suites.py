@@ -133,7 +133,7 @@ _UAV_GPS = (WhiteNoise(0.5),)
 _UAV_VANE = (WhiteNoise(radians(0.1)),)
 
 UAV = Suite(
-    # Its alpha vane reads a constant 0.05 rad: the wing's lift slope is left out.
+    # Its angle of attack is a constant 0.05 rad: the wing's lift slope is left out.
     aircraft=Aircraft(wing_loading=0.0, zero_lift_alpha=0.05),
     body_rates=(Bias(radians(0.3)), WhiteNoise(0.002)),
     load_factor=(Bias(0.05 / STANDARD_GRAVITY), WhiteNoise(0.05 / STANDARD_GRAVITY)),

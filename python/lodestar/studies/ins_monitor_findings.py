@@ -15,7 +15,7 @@ from lodestar.studies.ins_monitor import ESTIMATORS, KINDS, RAMP_DEG_S
 from lodestar.studies.sahrs import AXES
 
 LIMITS_DEG = {"roll": 5.0, "pitch": 5.0, "heading": 10.0}
-"""Error of the INS by which it has to be told: no worse solution may pass for a good one."""
+"""Error of the INS by which it has to be told."""
 
 _FORM_OF = {estimator: form for form, estimator in ESTIMATORS.items()}
 
@@ -73,10 +73,9 @@ def detection_rows(ensemble: Ensemble) -> Iterator[Row]:
         yield row(case, estimator, "time_to_alarm_max_s", _max(ensemble, f"{kind}_time_s"))
         for axis in _axes_of(kind):
             worst = _max(ensemble, f"{kind}_{axis}_deg")
-            yield row(case, estimator, f"{axis}_at_alarm_max_deg", worst)
+            yield row(case, estimator, f"{axis}_at_alarm_max_deg", worst, limit=LIMITS_DEG[axis])
             believed = _max(ensemble, f"{kind}_{axis}_believed_deg")
-            limit = LIMITS_DEG[axis]
-            yield row(case, estimator, f"{axis}_before_alarm_max_deg", believed, limit=limit)
+            yield row(case, estimator, f"{axis}_before_alarm_max_deg", believed)
 
 
 def _axes_of(kind: str) -> tuple[str, ...]:
@@ -122,8 +121,8 @@ def _detections(ensembles: Sequence[Ensemble]) -> Table:
             told = [_max(ensemble, f"{kind}_{axis}_deg") for axis in axes]
             if unseen:
                 bad.add((len(body), 4))
-            if any(value > LIMITS_DEG[axis] for axis, value in zip(axes, believed, strict=True)):
-                bad.add((len(body), 6))
+            if any(value > LIMITS_DEG[axis] for axis, value in zip(axes, told, strict=True)):
+                bad.add((len(body), 7))
             counts = (_sum(ensemble, f"{kind}_faults"), unseen)
             time = f"{_max(ensemble, f'{kind}_time_s'):.1f}"
             body.append(
