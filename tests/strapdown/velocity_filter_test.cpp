@@ -125,6 +125,20 @@ TEST(VelocityFilter, FindsTheHardIronByTurning) {
   EXPECT_LT((x.field_bias_B + x.field_drift_B - errors.field_bias_B).head<2>().norm(), 100.0);
 }
 
+TEST(VelocityFilter, NoiseInSteadyFlowTeachesNoScaleFactor) {
+  SensorErrors errors;
+  errors.airspeed_noise = 0.5;
+  errors.flow_noise = 0.1 * kDegree;
+  errors.load_noise = 0.02;
+  for (std::uint32_t seed = 1; seed <= 4; ++seed) {
+    FilteredFlight run(SimulatedFlight(0.0, 0.0, 1.0, errors, seed), Eigen::Vector3d::Zero(),
+                       kSharp);
+    run.fly(300.0);
+    // With the estimate itself in H it is -0.035, far more than its sigma of 0.02.
+    EXPECT_LT(std::abs(run.filter().estimate().flow_scale.x()), 0.002) << "seed " << seed;
+  }
+}
+
 TEST(VelocityFilter, SigmaCoversTheErrorOverManyFlights) {
   constexpr int kFlights = 40;
   double nees = 0.0;

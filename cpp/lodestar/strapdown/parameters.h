@@ -40,7 +40,7 @@ struct Parameters {
 
   // The air.
   double wind_walk = 0.1;              // m/s/sqrt(s), at the start
-  double wind_walk_min = 0.023;        // m/s/sqrt(s)
+  double wind_walk_min = 0.012;        // m/s/sqrt(s)
   double wind_walk_max = 2.0;          // m/s/sqrt(s)
   double wind_adaptation = 3.0;        // s
   double wind_base_adaptation = 50.0;  // s

@@ -293,11 +293,14 @@ samples::Use StrapdownFilter<N>::update(const samples::AirData& sample) {
                            parameters_.baro_noise};
   samples::Use use = samples::Use::kHeld;
   if (sample.time_us == now_us_) {
-    use = correct(measure_air(sample, x_, noise), kAirspeed, false, frozen_);
+    const Eigen::Vector3d& scaled = scaled_flow_.follow(flow_without_gust(x_));
+    use = correct(measure_air(sample, x_, scaled, noise), kAirspeed, false, frozen_);
   } else {
     Moment moment;
     if (!locate(sample.time_us, moment)) return use;
-    const AirDataMeasurement then = measure_air(sample, as_of(moment, x_), noise);
+    const Estimate x = as_of(moment, x_);
+    const Eigen::Vector3d& scaled = scaled_flow_.follow(flow_without_gust(x));
+    const AirDataMeasurement then = measure_air(sample, x, scaled, noise);
     use = correct(Delayed<AirDataMeasurement>(then, delay(moment)), kAirspeed, false, frozen_);
   }
   learn_air(seconds(sample.time_us, air_us_));

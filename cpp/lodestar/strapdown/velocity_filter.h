@@ -18,6 +18,7 @@
 #include "lodestar/strapdown/history.h"
 #include "lodestar/strapdown/parameters.h"
 #include "lodestar/strapdown/propagation.h"
+#include "lodestar/strapdown/scaled_flow.h"
 #include "lodestar/strapdown/sparse_update.h"
 #include "lodestar/strapdown/state.h"
 #include "lodestar/strapdown/wind_level.h"
@@ -177,6 +178,7 @@ class StrapdownFilter {
   GustLevel gust_level_;
   WindLevel wind_level_;
   FrozenFlow frozen_flow_;
+  ScaledFlow scaled_flow_;
   int frozen_ = 0;
   History history_;
   Eigen::Vector2d travelled_ = Eigen::Vector2d::Zero();  // m, over the ground since the start
