@@ -2,7 +2,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <algorithm>
 
 #include "lodestar/math/rotation.h"
 
@@ -22,7 +21,7 @@ class ScaledFlow {
  public:
   /// Follows `flow` (airspeed, alpha, beta); answers what is to be multiplied.
   const Eigen::Vector3d& follow(const Eigen::Vector3d& flow) {
-    if (kept_.isZero()) kept_ = flow;
+    if (kept_.isZero()) kept_ = flow;  // the first one
     const Eigen::Vector3d play(kSpeedPlay * flow.x(), kAnglePlay, kAnglePlay);
     kept_ = kept_.cwiseMax(flow - play).cwiseMin(flow + play);
     return kept_;
