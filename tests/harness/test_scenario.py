@@ -4,12 +4,15 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from lodestar import _core
 from lodestar.errors import InputError
 from lodestar.harness.faults import Fault
 from lodestar.harness.scenario import (
     Scenario,
+    drawn_turn,
     estimator_config,
     fly_truth,
     load_scenario,
@@ -124,6 +127,25 @@ def test_truth_is_steady_wind_and_not_the_seeds_business():
     np.testing.assert_array_equal(one.v_N, two.v_N)
     one, two = fly_truth(short("ordinary+air"), 1), fly_truth(short("ordinary+air"), 2)
     assert np.any(one.v_N != two.v_N)
+
+
+def test_drawn_course_turns_the_route_about_its_start_and_leaves_the_wind():
+    filed = fly_truth(short("ordinary"), 3)
+    drawn = fly_truth(replace(short("ordinary"), course="drawn"), 3)
+    turn = drawn_turn(3)
+    assert (drawn.lat[0], drawn.lon[0]) == (filed.lat[0], filed.lon[0])
+    through_air = [one.v_N - one.wind_N for one in (filed, drawn)]
+    tracks = [np.arctan2(v_N[:, 1], v_N[:, 0]) for v_N in through_air]
+    off = np.exp(1j * (tracks[1] - tracks[0] - turn))
+    np.testing.assert_allclose(np.angle(off), 0.0, atol=1e-9)
+    np.testing.assert_allclose(drawn.wind_N, filed.wind_N)
+
+
+@given(first=st.integers(0, 10**6))
+def test_eight_seeds_in_a_row_leave_no_direction_out(first):
+    turns = np.sort([drawn_turn(seed) for seed in range(first, first + 8)])
+    gaps = np.diff(np.append(turns, turns[0] + 2 * np.pi))
+    assert gaps.max() < np.radians(90)
 
 
 def test_shorter_scenario_is_the_beginning_of_the_longer():

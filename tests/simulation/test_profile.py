@@ -13,6 +13,7 @@ from lodestar.simulation.profile import (
     flight_path,
     parse_profile,
     read_profile,
+    turned,
 )
 
 START = "start lat 57 deg lon 16 deg altitude 3000 m heading 30 deg speed 200 m/s\n"
@@ -143,3 +144,10 @@ def test_every_manoeuvre_of_the_language_can_be_flown():
 def test_shipped_routes_can_be_flown(name):
     path = flight_path(read_profile(config_path(f"routes/{name}.profile")), 30)
     assert path.duration >= 900
+
+
+def test_a_turned_profile_flies_the_same_manoeuvres_on_another_course():
+    profile = parse_profile(START + "horizontal_turn right 90 deg bank 40 deg\nstraight 10 s\n")
+    path, other = flight_path(profile, 30), flight_path(turned(profile, radians(50)), 30)
+    np.testing.assert_allclose(other.track - path.track, radians(50), atol=1e-9)
+    np.testing.assert_array_equal(other.bank, path.bank)

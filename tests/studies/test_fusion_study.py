@@ -230,6 +230,16 @@ def test_results_depend_on_what_the_named_setups_are_but_not_on_which_are_flown(
     assert study.inputs("ordinary/profile") != made_from
 
 
+def test_each_seed_flies_on_a_course_of_its_own_unless_routes_are_to_be_as_filed():
+    arguments = (["ordinary"], [], ["integrated"], ["init"], [])
+    assert [one.course for one in fusion_study(*arguments).scenarios] == ["drawn"]
+    filed = fusion_study(*arguments, course="filed")
+    assert [one.course for one in filed.scenarios] == ["filed"]
+    assert filed.inputs("ordinary/profile") != fusion_study(*arguments).inputs("ordinary/profile")
+    with pytest.raises(InputError, match="course north: unknown; allowed are filed, drawn"):
+        fusion_study(*arguments, course="north")
+
+
 def test_ablations_are_flown_with_fewer_seeds_in_two_scenarios():
     found = cells_of("wind-pulse-12", filters=("cascade",))
     others = {name: most for (_, name), most in found.items() if ":" in name}

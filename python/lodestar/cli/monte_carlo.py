@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from concurrent.futures.process import BrokenProcessPool
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -134,6 +135,14 @@ def fusion(
             help="Fly another configuration beside the shipped one; once for each.",
         ),
     ] = None,
+    course: Annotated[
+        str,
+        typer.Option(
+            "--course",
+            metavar="drawn|filed",
+            help="Routes in another direction for every seed, or as their files have them.",
+        ),
+    ] = "drawn",
     seed_first: FirstSeedOption = 1,
     workers: WorkersOption = None,
     out: FolderOption = None,
@@ -145,10 +154,11 @@ def fusion(
     from lodestar.studies.fusion_findings import findings
     from lodestar.studies.fusion_plots import plots
 
+    variants = (scenario or (), engine or (), filter_ or (), start or (), option or ())
     _conduct(
-        fusion_study(scenario or (), engine or (), filter_ or (), start or (), option or ()),
+        fusion_study(*variants, course),
         findings,
-        plots,
+        partial(plots, course=course),
         range(seed_first, seed_first + runs),
         workers,
         out,

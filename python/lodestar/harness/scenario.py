@@ -12,7 +12,7 @@ import json
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from math import degrees
+from math import degrees, pi, sqrt, tau
 from pathlib import Path
 from typing import Any
 
@@ -25,7 +25,7 @@ from lodestar.paths import config_path, config_root, shipped
 from lodestar.recordings.recording import Recording
 from lodestar.simulation.flight_path import FlightError, FlightPath
 from lodestar.simulation.jsbsim_engine import fly_jsbsim
-from lodestar.simulation.profile import flight_path, read_profile
+from lodestar.simulation.profile import flight_path, read_profile, turned
 from lodestar.simulation.sensor_errors import random_stream
 from lodestar.simulation.sensors import GpsService, sense
 from lodestar.simulation.suites import SUITES
@@ -35,6 +35,7 @@ from lodestar.strict_toml import option
 
 LIVING_AIR = "+air"
 ENGINES = ("profile", "jsbsim")
+COURSES = ("filed", "drawn")
 _LAST_INS_SIGMA_DEG = 0.1  # of its attitude and heading
 
 
@@ -101,6 +102,12 @@ class Scenario:
         -1, low=-1, high=2**31, doc="of the detector's lasting errors; -1: the flight's own seed"
     )
     epoch_year: float = option(2026.5, low=2025, high=2030, doc="decimal year of the flight")
+    course: str = option(
+        "filed",
+        choices=COURSES,
+        doc="the route as its file has it, or turned about its start by an angle that each seed "
+        "draws",
+    )
     initial_heading: str = option(
         "init", choices=("init", "cold"), doc="start from the INS's last attitude, or align"
     )
@@ -161,7 +168,9 @@ def fly_truth(scenario: Scenario, seed: int, engine: str = "profile") -> Traject
     """
     if engine not in ENGINES:
         raise InputError(f"engine {engine}: unknown; allowed are {', '.join(ENGINES)}")
-    path = _path(scenario.route, scenario.rate_hz)
+    turn = drawn_turn(seed) if scenario.course == "drawn" else 0.0
+    way = _Way(scenario.route, scenario.rate_hz, turn)
+    path = _path(way)
     count = round(scenario.duration_s * scenario.rate_hz) + 1
     if count > len(path.airspeed):
         raise InputError(
@@ -177,11 +186,11 @@ def fly_truth(scenario: Scenario, seed: int, engine: str = "profile") -> Traject
         wander_tau=w.wander_tau_s,
     )
     turbulence = Turbulence(scenario.turbulence.sigma_m_s, scenario.turbulence.length_m)
-    # In calm air every seed is the same flight.
+    # In calm air every seed flies a way to the same digit.
     calm = wind.wander_sigma == 0.0 and turbulence.sigma == 0.0
     aircraft = SUITES[scenario.suite].aircraft
     air = Air(wind, turbulence, scenario.epoch_year, 0 if calm else seed)
-    return _truth(scenario.route, scenario.rate_hz, count, aircraft, air, engine)
+    return _truth(way, count, aircraft, air, engine)
 
 
 def simulate(scenario: Scenario, seed: int, engine: str = "profile") -> Recording:
@@ -304,10 +313,28 @@ def _route(scenario_file: Path, route: str) -> Path:
     return config_root() / "routes" / f"{name}.profile"
 
 
+@dataclass(frozen=True)
+class _Way:
+    """A route, how it is sampled, and by what angle (rad) it is turned to the right."""
+
+    route: str
+    rate_hz: int
+    turn: float
+
+
+def drawn_turn(seed: int) -> float:
+    """The angle (rad, 0 to 2 pi) by which a seed turns a route whose course is drawn.
+
+    A multiple of the golden angle: however few seeds in a row there are, they look everywhere.
+    """
+    golden_angle = pi * (3 - sqrt(5))
+    return seed * golden_angle % tau
+
+
 @lru_cache(maxsize=4)
-def _path(route: str, rate_hz: int) -> FlightPath:
-    """The path of a route: the same for every seed, so kept."""
-    return flight_path(read_profile(Path(route)), rate_hz)
+def _path(way: _Way) -> FlightPath:
+    """The path of a way: many seeds fly the same, so kept."""
+    return flight_path(turned(read_profile(Path(way.route)), way.turn), way.rate_hz)
 
 
 def _beginning(path: FlightPath, count: int) -> FlightPath:
@@ -322,19 +349,17 @@ def _beginning(path: FlightPath, count: int) -> FlightPath:
 
 
 @lru_cache(maxsize=2)
-def _truth(
-    route: str, rate_hz: int, count: int, aircraft: Aircraft, air: Air, engine: str
-) -> Trajectory:
+def _truth(way: _Way, count: int, aircraft: Aircraft, air: Air, engine: str) -> Trajectory:
     """A flight of the first ``count`` samples: seconds of work, so kept, its arrays read-only."""
-    path = _beginning(_path(route, rate_hz), count)
+    path = _beginning(_path(way), count)
     wind, turbulence = air.wind, air.turbulence
     if engine == "jsbsim":
         try:
             trajectory = fly_jsbsim(path, wind, turbulence, air.epoch_year, air.seed)
         except FlightError as error:
-            raise InputError(f"{route}: {error}") from None
+            raise InputError(f"{way.route}: {error}") from None
     else:
-        interval = 1 / rate_hz
+        interval = 1 / way.rate_hz
         time = interval * np.arange(count, dtype=np.float64)
         mean_airspeed = float(np.mean(path.airspeed))
         gusts = random_stream(air.seed, "turbulence")

@@ -20,7 +20,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from lodestar.errors import InputError
@@ -246,6 +246,15 @@ def _check_complete(name: str, manoeuvre: Manoeuvre, values: dict[str, float]) -
     for group in manoeuvre.at_most_one_of:
         if sum(key in values for key in group) > 1:
             raise FlightError(f"{name}: only one of {', '.join(group)} may be given")
+
+
+def turned(profile: Profile, angle: float) -> Profile:
+    """The profile, its whole route turned to the right by ``angle`` (rad) about its start."""
+    begin, *rest = profile.lines
+    heading = begin.values["heading"] + angle
+    return replace(
+        profile, lines=(replace(begin, values=begin.values | {"heading": heading}), *rest)
+    )
 
 
 def flight_path(profile: Profile, rate_hz: int) -> FlightPath:

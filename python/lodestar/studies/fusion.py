@@ -16,6 +16,7 @@ from pathlib import Path
 from lodestar.errors import InputError
 from lodestar.evaluation.fusion_requirements import PEER_SCENARIO, THESIS, goals
 from lodestar.harness.scenario import (
+    COURSES,
     ENGINES,
     LIVING_AIR,
     Scenario,
@@ -60,7 +61,7 @@ ABLATED = ("ordinary", "wind-pulse-12")
 
 BEFORE_RUNS = 20
 ABLATION_RUNS = 10
-LIMIT_RUNS = 5
+LIMIT_RUNS = 10
 """Differences from the same flights, and sigmas, need fewer flights than means."""
 
 _NAMED = (*BEFORE, LIMIT)
@@ -172,13 +173,19 @@ def fusion_study(
     filters: Sequence[str],
     starts: Sequence[str],
     options: Sequence[str],
+    course: str = "drawn",
 ) -> FusionStudy:
     """The study of these variants, all of them where none is named.
+
+    ``course``: whether each seed flies the routes in a direction of its own (Scenario.course).
+    How well a magnetic heading holds without GPS depends on where the aircraft goes: routes that
+    always go the same way prove that way.
 
     Raises InputError for one that does not exist, a scenario that is named twice, or options that
     the flight computer does not have.
     """
-    loaded = [load_scenario(name) for name in scenarios or SCENARIOS]
+    (course,) = chosen("course", (course,), COURSES)
+    loaded = [replace(load_scenario(name), course=course) for name in scenarios or SCENARIOS]
     names = [scenario.name for scenario in loaded]
     study = FusionStudy(
         tuple(loaded[names.index(name)] for name in chosen("scenario", names, names)),

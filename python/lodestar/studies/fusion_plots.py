@@ -14,7 +14,7 @@ from matplotlib.ticker import LogLocator, NullFormatter
 from numpy.typing import NDArray
 
 from lodestar.evaluation import drawing
-from lodestar.harness.scenario import LIVING_AIR
+from lodestar.harness.scenario import LIVING_AIR, drawn_turn
 from lodestar.studies.ensemble import Ensemble
 from lodestar.studies.findings import Plot
 from lodestar.studies.fusion import LOSSES
@@ -36,8 +36,11 @@ _COLUMNS = 3
 _SHORTEST_S = 100.0  # a loss of GPS that is drawn as growth
 
 
-def plots(ensembles: Sequence[Ensemble]) -> list[Plot]:
-    """One flight of each scenario, the errors over all flights in time, and losses of GPS."""
+def plots(ensembles: Sequence[Ensemble], course: str = "drawn") -> list[Plot]:
+    """One flight of each scenario, the errors over all flights in time, and losses of GPS.
+
+    ``course``: the study's.
+    """
     book = Book(ensembles)
     shown = {one.cell.flight: one.cell.case for one in reversed([*book.filters()])}
     made = []
@@ -65,6 +68,10 @@ def plots(ensembles: Sequence[Ensemble]) -> list[Plot]:
         ]
         if ends:
             made.append(Plot("gps-loss-rate", "Error by length of the loss", _RATE, _rates(ends)))
+        turned = [one for one in grown if course == "drawn" and has(one, _AT_END)]
+        if turned:
+            title = "Error at the end of 5 min without GPS, by course"
+            made.append(Plot("gps-loss-course", title, _COURSE, _by_course(turned)))
     return made
 
 
@@ -82,6 +89,12 @@ _GROWTH = (
 
 _RATE = (
     "Mean horizontal error at the end of losses of GPS of 2, 5, 10 and 60 min over their length."
+)
+
+_AT_END = "end_300s_m"
+_COURSE = (
+    "Each dot is a flight: its horizontal error at the end of the loss, over the angle by which "
+    "its route is turned. Crosses: the σ that was stated (norm of both axes)."
 )
 
 
@@ -287,6 +300,26 @@ def _rates(cells: Sequence[Ensemble]) -> Figure:
     figure.supylabel("m/min", fontsize=10)
     figure.supxlabel("length of the loss, min", fontsize=10)
     _legend(figure, [("SAHRS alone", drawing.BEFORE, "-"), *styles.values()])
+    return figure
+
+
+def _by_course(cells: Sequence[Ensemble]) -> Figure:
+    """A panel for each case, a dot for each flight."""
+    cases = list(dict.fromkeys(one.cell.case for one in cells))
+    figure, axes = _grid(len(cases))
+    for one, case in zip(axes, cases, strict=True):
+        for ensemble in (e for e in cells if e.cell.case == case):
+            turns = np.degrees([drawn_turn(result.seed) for result in ensemble.results])
+            colour = _COLOURS[ensemble.cell.estimator]
+            one.plot(turns, ensemble.figure(_AT_END), "o", color=colour, ms=4)
+            one.plot(turns, ensemble.figure(f"sigma_{_AT_END}"), "x", color=colour, ms=3, alpha=0.6)
+        one.set_title(case.rsplit("/", 1)[0], loc="left", fontsize=10)
+        one.set_xticks(range(0, 361, 90))
+        _logarithmic(one)
+    figure.supylabel("horizontal error, m", fontsize=10)
+    figure.supxlabel("turn of the route to the right, ° (0: as filed)", fontsize=10)
+    names = dict.fromkeys(one.cell.estimator for one in cells)
+    _legend(figure, [(name, _COLOURS[name], "-") for name in names])
     return figure
 
 
