@@ -8,16 +8,14 @@
 
 #include "lodestar/earth/wgs84.h"
 #include "lodestar/math/rotation.h"
+#include "lodestar/math/scalar.h"
 #include "lodestar/samples/outputs.h"
 #include "lodestar/samples/samples.h"
 #include "lodestar/strapdown/air_data_aid.h"
 
 namespace lodestar::fusion {
 
-inline double seconds(std::int64_t microseconds) {
-  return 1e-6 * static_cast<double>(microseconds);
-}
-
+using math::seconds;
 using strapdown::air_velocity_B;
 
 /// One instant of dead reckoning: what SAHRS and the air data say, and where that leads.

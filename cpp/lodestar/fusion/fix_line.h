@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cstdint>
 
+#include "lodestar/math/scalar.h"
+
 // What GPS fixes say of each other, without a filter. As seen from dead reckoning, fixes of one
 // second or so lie on a line: wind and heading error hardly change meanwhile.
 
@@ -46,9 +48,7 @@ class FixLine {
   }
 
  private:
-  double seconds_since(std::int64_t time_us) const {
-    return 1e-6 * static_cast<double>(time_us - time_us_);
-  }
+  double seconds_since(std::int64_t time_us) const { return math::seconds(time_us - time_us_); }
 
   int size_ = 0;
   double spacing_ = 0.0;  // s

@@ -10,9 +10,12 @@
 #include "lodestar/earth/wgs84.h"
 #include "lodestar/fusion/dead_reckoning.h"
 #include "lodestar/fusion/uncertainty.h"
+#include "lodestar/math/scalar.h"
 
 namespace lodestar::fusion {
 namespace {
+
+using math::square;
 
 using samples::FusionMode;
 using samples::Use;
@@ -35,8 +38,6 @@ constexpr double kIndependentPerHour = 24.0;
 double protection_multiple() {
   return std::sqrt(-2.0 * std::log(kRiskPerHour / kIndependentPerHour));
 }
-
-double square(double x) { return x * x; }
 
 /// The heading as another reference has it; level, so that heading is the rotation about down.
 struct Heading {

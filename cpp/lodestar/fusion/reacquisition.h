@@ -6,6 +6,7 @@
 #include <cstdint>
 
 #include "lodestar/fusion/fix_line.h"
+#include "lodestar/math/scalar.h"
 
 namespace lodestar::fusion {
 
@@ -34,7 +35,7 @@ class Reacquisition {
     }
     line_.push(time_us, offset);
     drift_.setZero();
-    const double span = 1e-6 * static_cast<double>(time_us - first_time_us_);
+    const double span = math::seconds(time_us - first_time_us_);
     if (span > 0.0) drift_ = (offset - first_offset_) / span;
     return count_ >= kFewest && span >= duration_;
   }

@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "lodestar/fusion/dead_reckoning.h"
+#include "lodestar/math/scalar.h"
 
 namespace lodestar::fusion {
 
@@ -51,8 +52,8 @@ class TrackHistory {
   }
 
   static TrackPoint between(const TrackPoint& a, const TrackPoint& b, std::int64_t time_us) {
-    const double dt = 1e-6 * static_cast<double>(b.time_us - a.time_us);
-    const double s = 1e-6 * static_cast<double>(time_us - a.time_us) / dt;
+    const double dt = math::seconds(b.time_us - a.time_us);
+    const double s = math::seconds(time_us - a.time_us) / dt;
     const auto cubic = [s, dt](double p0, double p1, double rate0, double rate1) {
       const double ends = p0 + s * s * (3.0 - 2.0 * s) * (p1 - p0);
       return ends + s * (1.0 - s) * dt * ((1.0 - s) * rate0 - s * rate1);

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "lodestar/math/rotation.h"
+#include "lodestar/math/scalar.h"
 #include "lodestar/samples/outputs.h"
 
 namespace lodestar::monitor {
@@ -15,7 +16,7 @@ class GyroAttitude {
  public:
   /// One frame. `tau` (s): memory of turned().
   void propagate(const samples::Attitude& sahrs, double tau) {
-    const double dt = 1e-6 * static_cast<double>(sahrs.time_us - time_us_);
+    const double dt = math::seconds(sahrs.time_us - time_us_);
     if (time_us_ != 0 && dt > 0.0 && dt < kLongest) {
       const Eigen::Vector3d turn = 0.5 * dt * (omega_B_ + sahrs.omega_B);
       q_GB_ = (q_GB_ * math::exp_quaternion(turn)).normalized();

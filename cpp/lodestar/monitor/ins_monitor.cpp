@@ -4,9 +4,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lodestar/math/scalar.h"
+
 namespace lodestar::monitor {
 namespace {
 
+using math::seconds;
 using samples::InsState;
 
 // Beyond this pitch the difference of two Euler headings says little of the heading.
@@ -15,10 +18,6 @@ constexpr double kSteepest = 60.0 * math::kDegree;  // rad
 // Part of sigma by which gyros may lead astray within half a minute: where attitude is poorly known
 // so is their bias.
 constexpr double kUnknownGyros = 0.5;
-
-double seconds_between(std::int64_t earlier_us, std::int64_t later_us) {
-  return 1e-6 * static_cast<double>(later_us - earlier_us);
-}
 
 /// Takes vectors from N to axes along the heading of `C_NB`, to its right, and down.
 Eigen::Matrix3d level_axes(const Eigen::Matrix3d& C_NB) {
@@ -56,10 +55,10 @@ void InsMonitor::propagate(const samples::Attitude& sahrs) {
     history_.clear();
   }
   if (state_.state == InsState::kNone) return;
-  if (seconds_between(heard_us_, now_us_) > timeout_) {
+  if (seconds(now_us_ - heard_us_) > timeout_) {
     if (state_.state != InsState::kMiscompare) fail(trusted_);
     stop();
-  } else if (seconds_between(compared_us_, now_us_) > timeout_) {
+  } else if (seconds(now_us_ - compared_us_) > timeout_) {
     stop();
   }
 }
@@ -70,7 +69,7 @@ void InsMonitor::compare(const samples::InsSolution& ins) {
   if (!sahrs) return;
   compared_us_ = now_us_;
   set_difference(ins, *sahrs);
-  const double dt = compared_before_ ? seconds_between(last_ins_.time_us, ins.time_us) : 0.0;
+  const double dt = compared_before_ ? seconds(ins.time_us - last_ins_.time_us) : 0.0;
   time_axes(dt);
   judge(frozen(ins, *sahrs), dt);
   follow(ins, *sahrs, dt);
@@ -200,7 +199,7 @@ void InsMonitor::remember(const samples::InsSolution& ins, const StatedAttitude&
                             parameters_.heading_sigma};
   if (!trusted_next_) {
     trusted_next_ = trusted_;
-  } else if (seconds_between(trusted_next_->time_us, ins.time_us) >= parameters_.doubt_time) {
+  } else if (seconds(ins.time_us - trusted_next_->time_us) >= parameters_.doubt_time) {
     trusted_before_ = trusted_next_;
     trusted_next_ = trusted_;
   }

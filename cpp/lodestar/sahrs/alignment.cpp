@@ -4,11 +4,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lodestar/math/scalar.h"
 #include "lodestar/sahrs/pitch_measurement.h"
 #include "lodestar/samples/samples.h"
 
 namespace lodestar::sahrs {
 namespace {
+
+using math::seconds;
 
 constexpr double kLongestStep = 0.5;      // s; after a longer silence everything starts anew
 constexpr double kWeakestField = 1000.0;  // nT, horizontal
@@ -17,14 +20,10 @@ constexpr double kStraight = 0.15;                   // of gravity, centripetal 
 const Eigen::Vector3d kStraightSigma_B = math::kDegree * Eigen::Vector3d(2.0, 2.0, 10.0);
 const Eigen::Vector3d kTurningSigma_B = math::kDegree * Eigen::Vector3d(5.0, 5.0, 20.0);
 
-double seconds(std::int64_t later_us, std::int64_t earlier_us) {
-  return 1e-6 * static_cast<double>(later_us - earlier_us);
-}
-
 }  // namespace
 
 void Alignment::VectorFilter::update(const Eigen::Vector3d& value, std::int64_t at_us) {
-  const double dt = seconds(at_us, time_us);
+  const double dt = seconds(at_us - time_us);
   const bool goes_on = started && dt > 0.0 && dt <= kLongestStep;
   for (std::size_t i = 0; i < 3; ++i) {
     const double component = value(static_cast<Eigen::Index>(i));
@@ -55,7 +54,7 @@ void Alignment::restart() {
 
 void Alignment::observe_rates(const Eigen::Vector3d& omega_B, std::int64_t time_us) {
   omega_B_ = omega_B;
-  const double dt = turn_B_.started ? seconds(time_us, turn_B_.time_us) : 0.0;
+  const double dt = turn_B_.started ? seconds(time_us - turn_B_.time_us) : 0.0;
   turn_B_.update(turn_B_.latest + dt * omega_B, time_us);
 }
 

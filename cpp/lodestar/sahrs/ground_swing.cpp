@@ -5,13 +5,14 @@
 #include <cmath>
 
 #include "lodestar/filter/joseph.h"
+#include "lodestar/math/scalar.h"
 
 namespace lodestar::sahrs::smdu {
 namespace {
 
-constexpr double kSecond = 1e6;  // us
+using math::square;
 
-double square(double x) { return x * x; }
+constexpr double kSecond = 1e6;  // us
 
 }  // namespace
 

@@ -4,6 +4,7 @@
 
 #include "lodestar/earth/wgs84.h"
 #include "lodestar/filter/joseph.h"
+#include "lodestar/math/scalar.h"
 #include "lodestar/sahrs/field_measurement.h"
 #include "lodestar/sahrs/paper_sahrs.h"
 #include "lodestar/sahrs/pitch_measurement.h"
@@ -13,6 +14,8 @@
 
 namespace lodestar::sahrs {
 namespace {
+
+using math::seconds;
 
 constexpr double kShortestInterval = 1e-3;  // s, between samples or frames
 constexpr double kNorthernmost = 89.9 * math::kDegree;
@@ -32,7 +35,7 @@ samples::Use PaperSahrs::update(const samples::MagneticField& sample) {
     attitude_.rejected |= 7 << kFieldNorth;
     return samples::Use::kAssumption;
   }
-  const double dt = have_field_ ? seconds_between(field_us_, sample.time_us) : 0.0;
+  const double dt = have_field_ ? seconds(sample.time_us - field_us_) : 0.0;
   b_B_ = b_B;
   field_us_ = sample.time_us;
   have_field_ = true;
@@ -85,7 +88,7 @@ samples::Use PaperSahrs::update(const samples::LoadFactor& sample) {
 }
 
 void PaperSahrs::track_air_data(const samples::AirData& sample) {
-  const double dt = have_air_ ? seconds_between(air_.time_us, sample.time_us) : 0.0;
+  const double dt = have_air_ ? seconds(sample.time_us - air_.time_us) : 0.0;
   Pose pose;  // stays at the start of the integral if the history does not reach back
   const bool located = history_.at(sample.time_us, pose);
   if (dt > 0.0 && dt <= kLongestBridge) {
@@ -167,8 +170,7 @@ samples::Use PaperSahrs::reject(Row row) {
 }
 
 double PaperSahrs::interval(Row row, std::int64_t time_us) const {
-  return std::max(kShortestInterval,
-                  seconds_between(used_us_[static_cast<std::size_t>(row)], time_us));
+  return std::max(kShortestInterval, seconds(time_us - used_us_[static_cast<std::size_t>(row)]));
 }
 
 bool PaperSahrs::moment_at(std::int64_t time_us, Moment& moment) const {
@@ -182,7 +184,7 @@ samples::Use PaperSahrs::correct(Measurement<M>& m, const Moment& moment, Row fi
   if (moment.pose.time_us != now_us_) {
     // phi(then) = C_then' C_now phi(now) + (mean of C_then' C over the time between) b_g dt.
     const Eigen::Matrix3d turn = moment.C_NB.transpose() * C_NB_;
-    const double dt = seconds_between(moment.pose.time_us, now_us_);
+    const double dt = seconds(now_us_ - moment.pose.time_us);
     const Eigen::Matrix<double, M, 3> then = m.H.template middleCols<3>(kAttitude.offset);
     m.H.template middleCols<3>(kAttitude.offset) = then * turn;
     m.H.template middleCols<3>(kGyroBias.offset) +=

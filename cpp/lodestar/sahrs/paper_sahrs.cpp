@@ -5,19 +5,21 @@
 #include <cmath>
 
 #include "lodestar/earth/wgs84.h"
+#include "lodestar/math/scalar.h"
 
 // The frame: rates, pose, alignment, output. The measurements are in paper_measurements.cpp.
 
 namespace lodestar::sahrs {
 namespace {
 
+using math::seconds;
+using math::square;
+
 constexpr double kLongestFrame = 0.05;            // s; a longer frame has lost samples
 constexpr std::int64_t kCoasting_us = 2'000'000;  // without any measurement: coasting
 constexpr double kLost = 30.0 * math::kDegree;    // rad, sigma of an attitude that is none
 constexpr double kFlowBandwidth = 2.0;            // rad/s, of the rates of V, alpha and beta
 constexpr double kAltitudeOutlier = 20.0;         // m, off the altitude filter
-
-double square(double x) { return x * x; }
 
 }  // namespace
 
@@ -53,7 +55,7 @@ void PaperSahrs::start(const math::Euler& attitude, const Eigen::Vector3d& sigma
 void PaperSahrs::propagate(const samples::BodyRates& sample) {
   attitude_.used = 0;
   attitude_.rejected = 0;
-  const double dt = seconds_between(now_us_, sample.time_us);
+  const double dt = seconds(sample.time_us - now_us_);
   const Eigen::Vector3d before_B = have_rates_ ? omega_B_ : sample.omega_B;
   have_rates_ = true;
   now_us_ = sample.time_us;
@@ -102,7 +104,7 @@ void PaperSahrs::try_alignment() {
   const std::optional<Aligned> aligned = alignment_.solve(
       {climb_.rate(), b_N_, gravity_, 3.0 * bias_sigma, parameters_.max_imbalance});
   if (!aligned) return;
-  const double age = seconds_between(load_us_, now_us_);
+  const double age = seconds(now_us_ - load_us_);
   const Eigen::Matrix3d C_NB = math::C_NB_from_euler(aligned->attitude) *
                                math::exp_so3(age * (aligned->omega_B - aligned->gyro_bias_B));
   if (state_ != State::kWaiting) {

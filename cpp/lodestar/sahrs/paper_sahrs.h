@@ -83,10 +83,6 @@ class PaperSahrs {
   static constexpr std::int64_t kOldest_us = 1'000'000;  // age up to which a sample comes
   static constexpr std::int64_t kFresh_us = 500'000;     // between samples that are used together
 
-  static double seconds_between(std::int64_t earlier_us, std::int64_t later_us) {
-    return 1e-6 * static_cast<double>(later_us - earlier_us);
-  }
-
   void integrate(const Eigen::Vector3d& before_B, double dt);
   bool needs_alignment() const { return state_ != State::kRunning || lost_; }
   void try_alignment();

@@ -7,6 +7,7 @@
 #include <cstdint>
 
 #include "lodestar/math/rotation.h"
+#include "lodestar/math/scalar.h"
 
 namespace lodestar::sahrs {
 
@@ -59,7 +60,7 @@ class PoseHistory {
   const Pose& back(std::size_t age) const { return ring_[(newest_ + kCapacity - age) % kCapacity]; }
 
   static void extrapolate(std::int64_t time_us, Pose& pose) {
-    const double dt = 1e-6 * static_cast<double>(time_us - pose.time_us);
+    const double dt = math::seconds(time_us - pose.time_us);
     pose.q_SB = pose.q_SB * math::exp_quaternion(dt * pose.omega_B);
     pose.time_us = time_us;
   }

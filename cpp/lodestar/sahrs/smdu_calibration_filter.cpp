@@ -7,14 +7,15 @@
 #include <cmath>
 
 #include "lodestar/filter/joseph.h"
+#include "lodestar/math/scalar.h"
 
 namespace lodestar::sahrs::smdu {
 namespace {
 
+using math::square;
+
 constexpr double kSecond = 1e6;                   // us
 constexpr std::int64_t kPatience_us = 1'000'000;  // of a sample, for the INS to get to its time
-
-double square(double x) { return x * x; }
 
 StateVector prior_sigma(const FilterParameters& p) {
   StateVector sigma = StateVector::Constant(p.matrix_sigma);

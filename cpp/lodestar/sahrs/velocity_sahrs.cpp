@@ -6,10 +6,14 @@
 #include <optional>
 
 #include "lodestar/earth/wgs84.h"
+#include "lodestar/math/scalar.h"
 #include "lodestar/strapdown/air_data_aid.h"
 
 namespace lodestar::sahrs {
 namespace {
+
+using math::seconds;
+using math::square;
 
 constexpr double kLongestPause = 0.5;             // s between two baro altitudes of one climb
 constexpr std::int64_t kOldest_us = 1'000'000;    // age up to which a sample comes
@@ -18,12 +22,6 @@ constexpr std::int64_t kCoasting_us = 2'000'000;  // without any measurement: co
 
 constexpr std::int64_t kLongestWait_us = 10'000'000;  // for straight flight to align in
 constexpr double kClimbBandwidth = 1.0;               // rad/s, for the alignment only
-
-double seconds(std::int64_t later_us, std::int64_t earlier_us) {
-  return 1e-6 * static_cast<double>(later_us - earlier_us);
-}
-
-double square(double x) { return x * x; }
 
 }  // namespace
 
@@ -88,7 +86,7 @@ samples::Use VelocitySahrs::update(const samples::MagneticField& sample) {
 
 samples::Use VelocitySahrs::update(const samples::AirData& sample) {
   if (needs_alignment()) {
-    const double dt = have_air_ ? seconds(sample.time_us, air_.time_us) : 0.0;
+    const double dt = have_air_ ? seconds(sample.time_us - air_.time_us) : 0.0;
     if (dt > 0.0 && dt <= kLongestPause) {
       climb_.update(sample.baro_altitude, dt);
     } else {
@@ -130,7 +128,7 @@ void VelocitySahrs::try_alignment() {
 void VelocitySahrs::align_to(const Aligned& aligned) {
   const bool again = state_ != State::kWaiting;
   const Eigen::Quaterniond before = attitude_.q_NB;
-  const double age = seconds(now_us_, load_us_);
+  const double age = seconds(now_us_ - load_us_);
   guard_.filter().correct_gyro_bias(aligned.gyro_bias_B);
   begin(math::C_NB_from_euler(aligned.attitude) *
             math::exp_so3(age * (aligned.omega_B - aligned.gyro_bias_B)),

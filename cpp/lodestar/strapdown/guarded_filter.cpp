@@ -5,9 +5,13 @@
 #include <cmath>
 
 #include "lodestar/earth/wgs84.h"
+#include "lodestar/math/scalar.h"
 
 namespace lodestar::strapdown {
 namespace {
+
+using math::seconds;
+using math::square;
 
 constexpr double kLongestBridge = 0.5;             // s without body rates that are bridged
 constexpr double kLongestFrame = 0.05;             // s; a longer frame has lost samples
@@ -18,12 +22,6 @@ constexpr double kCoarse = 2.0 * math::kDegree;    // heading worse than this is
 constexpr double kFine = 1.0 * math::kDegree;      // until it is as good as that
 constexpr std::int64_t kLongestHold_us = 150'000'000;
 constexpr double kAgain = 1.5;  // of sigma, to start again with
-
-double seconds(std::int64_t later_us, std::int64_t earlier_us) {
-  return 1e-6 * static_cast<double>(later_us - earlier_us);
-}
-
-double square(double x) { return x * x; }
 
 Parameters with_airspeed(Parameters parameters, double min_airspeed) {
   parameters.min_airspeed = min_airspeed;
@@ -61,7 +59,7 @@ void GuardedFilter<N>::begin(const Eigen::Matrix3d& C_NB, const Eigen::Vector3d&
 
 template <int N>
 bool GuardedFilter<N>::propagate(const samples::BodyRates& sample) {
-  const double dt = have_rates_ ? seconds(sample.time_us, now_us_) : 0.0;
+  const double dt = have_rates_ ? seconds(sample.time_us - now_us_) : 0.0;
   have_rates_ = true;
   now_us_ = sample.time_us;
   field_refused_ = false;
@@ -128,7 +126,7 @@ void GuardedFilter<N>::doubt_heading(std::int64_t before_us) {
   if (field_us_ - field_used_us_ < kPatience_us) return;
   if (suspicion_.lasts(field_us_)) return;
   const double sigma = std::sqrt(filter_.attitude_variance_N().z());
-  filter_.doubt_heading(2.0 * sigma * kDoubt * std::min(seconds(field_us_, before_us), 1.0));
+  filter_.doubt_heading(2.0 * sigma * kDoubt * std::min(seconds(field_us_ - before_us), 1.0));
 }
 
 template <int N>

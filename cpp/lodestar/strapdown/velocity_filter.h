@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "lodestar/filter/gate.h"
+#include "lodestar/math/scalar.h"
 #include "lodestar/samples/samples.h"
 #include "lodestar/samples/use.h"
 #include "lodestar/strapdown/delayed.h"
@@ -143,6 +144,9 @@ class StrapdownFilter {
   int rejected() const { return rejected_; }
 
  private:
+  // Silence after which no load factor holds.
+  static constexpr std::int64_t kFresh_us = 200'000;
+
   ProcessNoise process_noise(double dt) const;
   Eigen::Vector3d best_velocity(const Eigen::Vector3d& air_velocity_N) const;
   // Where there is a ground: ground_filter.cpp.
@@ -159,8 +163,7 @@ class StrapdownFilter {
   void remember(const Eigen::Vector3d& force_B, double dt);
   bool locate(std::int64_t time_us, Moment& moment) const;
   Delay delay(const Moment& moment) const {
-    return delay_since(moment, x_, 1e-6 * static_cast<double>(now_us_ - moment.time_us),
-                       place_.gravity);
+    return delay_since(moment, x_, math::seconds(now_us_ - moment.time_us), place_.gravity);
   }
   void learn_air(double dt);
   template <class Measurement>
