@@ -70,6 +70,7 @@ class Flown {
   std::function<void(samples::GpsFix&)> spoil = [](samples::GpsFix&) {};
   samples::Use last_use = samples::Use::kHeld;
   int used = 0;
+  int airspeed_refused = 0;
 
  private:
   void place() {
@@ -86,7 +87,11 @@ class Flown {
       if (with_field) filter_->update(field);
       samples::AirData air = flight_.air_data();
       air.true_airspeed += airspeed_error;
-      if (with_air) filter_->update(air);
+      if (with_air) {
+        filter_->update(air);
+        const strapdown::GroundFilter& inside = std::as_const(*filter_).filter();
+        airspeed_refused += inside.rejected() >> strapdown::GroundFilter::kAirspeed & 1;
+      }
     }
     sahrs_.q_NB = Eigen::Quaterniond(error_ * flight_.C_NB());
     sahrs_.heading = sahrs_heading();
@@ -226,6 +231,40 @@ TEST(Integrated, FliesOnWithoutGpsAndKnowsHowWell) {
   EXPECT_EQ(run.nav().mode, FusionMode::kAiding);
   EXPECT_EQ(run.nav().reset_count, 1);
   EXPECT_LT(run.position_error().norm(), 10.0);
+}
+
+TEST(Integrated, TakesGoodAirspeedHoweverLongThereIsNoGps) {
+  Flown run = fighter(21);
+  run.fly(200.0);
+  run.with_gps = false;
+  run.airspeed_refused = 0;
+  run.fly(600.0);
+  EXPECT_LE(run.airspeed_refused, 2);  // of 18 000; the gate refuses a good one in 100 000
+  EXPECT_LT(run.position_error().norm(), 3.0 * run.nav().sigma_position.head<2>().norm());
+}
+
+TEST(Integrated, HeadingDoesNotJumpWhenGpsComesBackOrIsElsewhere) {
+  Flown run = fighter(22);
+  run.fly(200.0);
+  double before = run.heading_error(), largest = 0.0;
+  const auto watch = [&](double seconds) {
+    for (double flown = 0.0; flown < seconds; flown += 1.0 / 60.0) {
+      run.fly(1.0 / 60.0);
+      largest = std::max(largest, std::abs(math::wrap_pi(run.heading_error() - before)));
+      before = run.heading_error();
+      ASSERT_LT(std::abs(before), 4.0 * run.nav().sigma_attitude.z());
+    }
+  };
+  run.with_gps = false;
+  watch(120.0);
+  run.with_gps = true;
+  watch(20.0);
+  run.spoil = [](samples::GpsFix& fix) { fix.lon += 5000.0 / 6.4e6; };
+  watch(20.0);
+  run.spoil = [](samples::GpsFix&) {};
+  watch(20.0);
+  EXPECT_EQ(run.nav().reset_count, 3);
+  EXPECT_LT(largest, 0.1 * kDegree);
 }
 
 TEST(Integrated, AJumpThatLastsIsBelievedWithinTenSecondsAndTold) {
