@@ -28,13 +28,16 @@ p { margin: .4rem 0; max-width: 46rem; }
   font-weight: 600; border: 1.5px solid currentColor; }
 .passed { color: var(--good); } .failed, td.bad { color: var(--bad); }
 td.bad { font-weight: 700; }
-.scroll { overflow-x: auto; }
+.scroll { overflow-x: auto; width: fit-content; min-width: 100%;
+  max-width: max(100%, 50vw + 32.5rem - 1.5rem); }
 table { border-collapse: collapse; width: 100%; font-variant-numeric: tabular-nums;
   font-size: .92rem; }
-th, td { padding: .4rem .7rem; text-align: right; border-bottom: 1px solid var(--line);
+th, td { padding: .4rem .55rem; text-align: right; border-bottom: 1px solid var(--line);
   white-space: nowrap; }
 th { font-weight: 600; color: var(--soft); white-space: normal; vertical-align: bottom; }
-th:first-child, td:first-child { text-align: left; padding-left: 0; }
+th:first-child, td:first-child { text-align: left; padding-left: 0; position: sticky; left: 0;
+  background: var(--page); }
+@media print { .scroll { overflow: visible; } }
 table.wide :is(th, td):last-child { white-space: normal; text-align: left; }
 figure { margin: .75rem 0 0; padding: .9rem; background: #fff; border: 1px solid var(--line);
   border-radius: .5rem; }
