@@ -29,7 +29,7 @@ struct CascadeParameters : GpsAcceptance {
   double step = 0.1;  // s
 
   // Errors of SAHRS; the levels are floors under what SAHRS says of itself.
-  math::GaussMarkov heading_error{0.5 * math::kDegree, 100.0};
+  math::GaussMarkov heading_error{0.3 * math::kDegree, 100.0};
   math::GaussMarkov pitch_error{0.4 * math::kDegree, 30.0};
   math::GaussMarkov roll_error{0.6 * math::kDegree, 10.0};
 
