@@ -3,12 +3,13 @@
 
 #include <gtest/gtest.h>
 
-#include <deque>
+#include <algorithm>
+#include <cmath>
 #include <functional>
-#include <memory>
+#include <random>
 #include <utility>
 
-#include "../strapdown/simulated_flight.h"
+#include "integrated_flight.h"
 
 namespace lodestar::fusion {
 namespace {
@@ -16,129 +17,16 @@ namespace {
 using math::kDegree;
 using samples::FusionMode;
 using strapdown::SensorErrors;
-using strapdown::SimulatedFlight;
 
-const Eigen::Vector2d kWind(8.0, -5.0);
-
-/// The filter on a flight: field and air data with every second frame, a fix a second.
-class Flown {
- public:
-  Flown(const SensorErrors& errors, std::uint32_t seed, double heading_error = 0.0,
-        double heading_sigma = 0.1 * kDegree, const strapdown::Parameters& sensors = {},
-        const IntegratedParameters& parameters = {}, double swing = 35.0 * kDegree)
-      : flight_(0.0, swing, 0.4 * seed, errors, seed + 1000, kWind),
-        filter_(std::make_unique<Integrated>(parameters, sensors,
-                                             strapdown::GuardLimits{60.0, 0.01, 0.1},
-                                             earth::GeomagneticKind::kIgrf14, 2026.5)) {
-    error_ = math::exp_so3(Eigen::Vector3d(0.0, 0.0, heading_error));
-    sahrs_.P_B =
-        Eigen::Vector3d(0.1 * kDegree, 0.1 * kDegree, heading_sigma).cwiseAbs2().asDiagonal();
-    sahrs_.mode = samples::AttitudeMode::kRunning;
-    sahrs_.valid = true;
-    place();
-  }
-
-  void fly(double seconds) {
-    const int frames = static_cast<int>(std::lround(60.0 * seconds));
-    for (int i = 0; i < frames; ++i, ++frame_) {
-      if (!silent) fly_frame();
-      flight_.advance();
-    }
-  }
-
-  const samples::Navigation& nav() const { return filter_->navigation(); }
-  Integrated& filter() { return *filter_; }
-  Eigen::Vector2d position_error() const {
-    const earth::Geodetic estimated{nav().lat, nav().lon, flight_.position().h};
-    return earth::displacement_N(flight_before_, estimated).head<2>();
-  }
-  Eigen::Vector2d velocity_error() const { return (nav().v_N - v_N_before_).head<2>(); }
-  double heading_error() const {
-    return math::wrap_pi(nav().heading - math::euler_from_C_NB(C_NB_before_).heading);
-  }
-  double sahrs_heading() const {
-    return math::euler_from_C_NB(sahrs_.q_NB.toRotationMatrix()).heading;
-  }
-  Eigen::Vector2d wind_error() const { return nav().wind_N.head<2>() - kWind; }
-
-  bool silent = false;  // no body rates
-  bool with_gps = true;
-  bool with_air = true;
-  bool with_field = true;
-  double airspeed_error = 0.0;  // m/s
-  std::size_t latency_frames = 0;
-  std::function<void(samples::GpsFix&)> spoil = [](samples::GpsFix&) {};
-  samples::Use last_use = samples::Use::kHeld;
-  int used = 0;
-  int airspeed_refused = 0;
-
- private:
-  void place() {
-    const earth::Geodetic& at = flight_.position();
-    filter_->set_position(at.lat, at.lon, at.h);
-  }
-
-  void fly_frame() {
-    filter_->propagate(flight_.rates());
-    filter_->update(flight_.load_factor());
-    if (frame_ % 2 == 0) {
-      samples::MagneticField field = flight_.field();
-      field.b_B += flight_.C_NB().transpose() * (filter_field() - SimulatedFlight::field_N());
-      if (with_field) filter_->update(field);
-      samples::AirData air = flight_.air_data();
-      air.true_airspeed += airspeed_error;
-      if (with_air) {
-        filter_->update(air);
-        const strapdown::GroundFilter& inside = std::as_const(*filter_).filter();
-        airspeed_refused += inside.rejected() >> strapdown::GroundFilter::kAirspeed & 1;
-      }
-    }
-    sahrs_.q_NB = Eigen::Quaterniond(error_ * flight_.C_NB());
-    sahrs_.heading = sahrs_heading();
-    filter_->follow(sahrs_);
-    if (frame_ % 60 == 30 && with_gps) fixes_.push_back({flight_.fix(), frame_ + latency_frames});
-    if (!fixes_.empty() && fixes_.front().second <= frame_) {
-      samples::GpsFix fix = fixes_.front().first;
-      fixes_.pop_front();
-      spoil(fix);
-      last_use = filter_->update(fix);
-      if (last_use == samples::Use::kUsed) ++used;
-    }
-    flight_before_ = flight_.position();
-    C_NB_before_ = flight_.C_NB();
-    v_N_before_ = flight_.v_N();
-  }
-
-  /// The model's field where the filter was placed: the flight's is another.
-  static Eigen::Vector3d filter_field() {
-    static const Eigen::Vector3d b_N = [] {
-      earth::GeomagneticModel model(earth::GeomagneticKind::kIgrf14);
-      return Eigen::Vector3d(
-          model.field_N(SimulatedFlight::kLat, 0.3, SimulatedFlight::kHeight, 2026.5));
-    }();
-    return b_N;
-  }
-
-  SimulatedFlight flight_;
-  std::unique_ptr<Integrated> filter_;
-  samples::Attitude sahrs_;
-  Eigen::Matrix3d error_;  // of SAHRS, in N
-  std::deque<std::pair<samples::GpsFix, std::size_t>> fixes_;
-  std::size_t frame_ = 0;
-  earth::Geodetic flight_before_;
-  Eigen::Matrix3d C_NB_before_;
-  Eigen::Vector3d v_N_before_;
-};
-
-Flown fighter(std::uint32_t seed, double heading_sigma = 0.1 * kDegree) {
+IntegratedFlight fighter(std::uint32_t seed, double heading_sigma = 0.1 * kDegree) {
   std::mt19937 generator(seed);
   const SensorErrors errors = SensorErrors::fighter(generator);
   std::normal_distribution<double> normal(0.0, heading_sigma);
-  return Flown(errors, seed, normal(generator), heading_sigma);
+  return IntegratedFlight(errors, seed, normal(generator), heading_sigma);
 }
 
 TEST(Integrated, WaitsForAFixAndThenHasAPosition) {
-  Flown run(SensorErrors{}, 1);
+  IntegratedFlight run(SensorErrors{}, 1);
   run.fly(0.4);
   EXPECT_EQ(run.nav().mode, FusionMode::kWaiting);
   EXPECT_FALSE(run.nav().valid);
@@ -150,7 +38,7 @@ TEST(Integrated, WaitsForAFixAndThenHasAPosition) {
 }
 
 TEST(Integrated, PerfectSensorsGiveWindHeadingAndPosition) {
-  Flown run(SensorErrors{}, 1);
+  IntegratedFlight run(SensorErrors{}, 1);
   run.fly(300.0);
   EXPECT_LT(run.wind_error().norm(), 0.1);
   EXPECT_LT(std::abs(run.heading_error()), 0.05 * kDegree);
@@ -159,7 +47,7 @@ TEST(Integrated, PerfectSensorsGiveWindHeadingAndPosition) {
 }
 
 TEST(Integrated, TurnsTellTheHeadingThatTheStartDidNot) {
-  Flown run(SensorErrors{}, 2, 4.0 * kDegree, 3.0 * kDegree);
+  IntegratedFlight run(SensorErrors{}, 2, 4.0 * kDegree, 3.0 * kDegree);
   run.fly(200.0);
   EXPECT_LT(std::abs(run.heading_error()), 0.5 * kDegree);
   EXPECT_LT(run.wind_error().norm(), 0.5);
@@ -167,7 +55,7 @@ TEST(Integrated, TurnsTellTheHeadingThatTheStartDidNot) {
 
 TEST(Integrated, ALateFixDoesWhatAPromptOneDoes) {
   for (const std::size_t frames : {12u, 42u}) {
-    Flown prompt(SensorErrors{}, 3), late(SensorErrors{}, 3);
+    IntegratedFlight prompt(SensorErrors{}, 3), late(SensorErrors{}, 3);
     late.latency_frames = frames;
     prompt.fly(120.0);
     late.fly(120.0);
@@ -178,7 +66,7 @@ TEST(Integrated, ALateFixDoesWhatAPromptOneDoes) {
 }
 
 /// A flight whose sensors err as the filter is told, and in no other way.
-Flown matched(std::uint32_t seed) {
+IntegratedFlight matched(std::uint32_t seed) {
   strapdown::Parameters sensors;
   sensors.gyro_drift.sigma = sensors.gyro_scale_sigma = sensors.gyro_misalignment_sigma = 0.0;
   sensors.field_drift.sigma = sensors.field_matrix_sigma = 0.0;
@@ -191,14 +79,14 @@ Flown matched(std::uint32_t seed) {
   std::mt19937 generator(seed);
   const SensorErrors errors = SensorErrors::fighter(generator);
   std::normal_distribution<double> normal(0.0, 0.1 * kDegree);
-  return Flown(errors, seed, normal(generator), 0.1 * kDegree, sensors, parameters);
+  return IntegratedFlight(errors, seed, normal(generator), 0.1 * kDegree, sensors, parameters);
 }
 
 TEST(Integrated, SigmaCoversTheErrorOverManyFlights) {
   constexpr std::uint32_t kFlights = 40;
   double heading = 0.0, wind = 0.0, position = 0.0;
   for (std::uint32_t seed = 1; seed <= kFlights; ++seed) {
-    Flown run = matched(seed);
+    IntegratedFlight run = matched(seed);
     run.fly(150.0);
     const samples::Navigation& nav = run.nav();
     heading += std::pow(run.heading_error() / nav.sigma_attitude.z(), 2);
@@ -216,7 +104,7 @@ TEST(Integrated, SigmaCoversTheErrorOverManyFlights) {
 }
 
 TEST(Integrated, FliesOnWithoutGpsAndKnowsHowWell) {
-  Flown run = fighter(5);
+  IntegratedFlight run = fighter(5);
   run.fly(240.0);
   run.with_gps = false;
   run.fly(120.0);
@@ -234,7 +122,7 @@ TEST(Integrated, FliesOnWithoutGpsAndKnowsHowWell) {
 }
 
 TEST(Integrated, TakesGoodAirspeedHoweverLongThereIsNoGps) {
-  Flown run = fighter(21);
+  IntegratedFlight run = fighter(21);
   run.fly(200.0);
   run.with_gps = false;
   run.airspeed_refused = 0;
@@ -244,7 +132,7 @@ TEST(Integrated, TakesGoodAirspeedHoweverLongThereIsNoGps) {
 }
 
 TEST(Integrated, HeadingDoesNotJumpWhenGpsComesBackOrIsElsewhere) {
-  Flown run = fighter(22);
+  IntegratedFlight run = fighter(22);
   run.fly(200.0);
   double before = run.heading_error(), largest = 0.0;
   const auto watch = [&](double seconds) {
@@ -268,7 +156,7 @@ TEST(Integrated, HeadingDoesNotJumpWhenGpsComesBackOrIsElsewhere) {
 }
 
 TEST(Integrated, AJumpThatLastsIsBelievedWithinTenSecondsAndTold) {
-  Flown run = fighter(6);
+  IntegratedFlight run = fighter(6);
   run.fly(120.0);
   run.spoil = [](samples::GpsFix& fix) { fix.lat += 500.0 / 6.4e6; };
   run.fly(2.0);
@@ -281,7 +169,7 @@ TEST(Integrated, AJumpThatLastsIsBelievedWithinTenSecondsAndTold) {
 }
 
 TEST(Integrated, ASlowDragOffIsToldThoughNoFixIsBeyondTheGate) {
-  Flown run = fighter(17);
+  IntegratedFlight run = fighter(17);
   run.fly(240.0);
   ASSERT_EQ(run.nav().reset_count, 0);
   double dragged = 0.0;
@@ -295,7 +183,7 @@ TEST(Integrated, ASlowDragOffIsToldThoughNoFixIsBeyondTheGate) {
 }
 
 TEST(Integrated, FixesThatScatterAreNotBelieved) {
-  Flown run = fighter(7);
+  IntegratedFlight run = fighter(7);
   run.fly(120.0);
   std::mt19937 generator(1);
   std::normal_distribution<double> wide(0.0, 300.0 / 6.4e6);
@@ -307,7 +195,7 @@ TEST(Integrated, FixesThatScatterAreNotBelieved) {
 }
 
 TEST(Integrated, AFixThatStandsStillIsNotTaken) {
-  Flown run = fighter(8);
+  IntegratedFlight run = fighter(8);
   run.fly(120.0);
   samples::GpsFix frozen;
   bool first = true;
@@ -323,7 +211,7 @@ TEST(Integrated, AFixThatStandsStillIsNotTaken) {
 }
 
 TEST(Integrated, TakesTheHeadingOfAReferenceThatIsLost) {
-  Flown run = fighter(9, 3.0 * kDegree);
+  IntegratedFlight run = fighter(9, 3.0 * kDegree);
   run.fly(20.0);
   const double before = run.nav().sigma_attitude.z();
   ASSERT_GT(before, 0.6 * kDegree);
@@ -336,7 +224,7 @@ TEST(Integrated, TakesTheHeadingOfAReferenceThatIsLost) {
 }
 
 TEST(Integrated, AReferenceThatContradictsIsNotTaken) {
-  Flown run = fighter(10);
+  IntegratedFlight run = fighter(10);
   run.fly(200.0);
   const double before = run.heading_error();
   run.filter().know_heading_error(math::wrap_pi(run.nav().heading - run.sahrs_heading() + 0.1),
@@ -346,7 +234,7 @@ TEST(Integrated, AReferenceThatContradictsIsNotTaken) {
 }
 
 TEST(Integrated, StartsAnewFromSahrsAfterALongGapInTheRates) {
-  Flown run = fighter(11);
+  IntegratedFlight run = fighter(11);
   run.fly(120.0);
   run.silent = true;
   run.fly(2.0);
@@ -359,7 +247,7 @@ TEST(Integrated, StartsAnewFromSahrsAfterALongGapInTheRates) {
 
 TEST(Integrated, FliesOnWithoutAirDataAndWithoutTheField) {
   for (const bool air : {true, false}) {
-    Flown run = fighter(14);
+    IntegratedFlight run = fighter(14);
     run.fly(200.0);
     (air ? run.with_air : run.with_field) = false;
     run.fly(120.0);
@@ -371,7 +259,7 @@ TEST(Integrated, FliesOnWithoutAirDataAndWithoutTheField) {
 }
 
 TEST(Integrated, WithoutAnyAirDataItStartsFromTheFixes) {
-  Flown run = fighter(16);
+  IntegratedFlight run = fighter(16);
   run.with_air = false;
   run.fly(9.0);
   EXPECT_FALSE(run.nav().valid);  // they may still come
@@ -398,7 +286,7 @@ TEST(Integrated, LongStraightFlightSpoilsNeitherWindNorAirspeed) {
   double wind = 0.0, scale = 0.0;
   for (std::uint32_t seed = 1; seed <= kFlights; ++seed) {
     std::mt19937 generator(seed);
-    Flown run(SensorErrors::fighter(generator), seed, 0.0, 0.1 * kDegree, {}, {}, 0.0);
+    IntegratedFlight run(SensorErrors::fighter(generator), seed, 0.0, 0.1 * kDegree, {}, {}, 0.0);
     run.fly(400.0);
     const strapdown::GroundFilter& filter = std::as_const(run.filter()).filter();
     wind += run.wind_error().cwiseQuotient(run.nav().sigma_wind).squaredNorm() / 2.0;
@@ -411,7 +299,7 @@ TEST(Integrated, LongStraightFlightSpoilsNeitherWindNorAirspeed) {
 
 TEST(Integrated, ABadStartMakesNoAbsurdWind) {
   for (std::uint32_t seed = 1; seed <= 5; ++seed) {
-    Flown run = fighter(seed, 5.0 * kDegree);
+    IntegratedFlight run = fighter(seed, 5.0 * kDegree);
     run.fly(3.0);
     for (int i = 0; i < 100; ++i) {
       run.fly(1.0);
@@ -421,7 +309,7 @@ TEST(Integrated, ABadStartMakesNoAbsurdWind) {
 }
 
 TEST(Integrated, APitotThatIcesUpSpoilsNeitherPositionNorHeading) {
-  Flown run = fighter(15);
+  IntegratedFlight run = fighter(15);
   run.fly(200.0);
   for (int i = 0; i < 60; ++i) {
     run.airspeed_error -= 0.5;
@@ -436,7 +324,7 @@ TEST(Integrated, APitotThatIcesUpSpoilsNeitherPositionNorHeading) {
 }
 
 TEST(Integrated, OutputMovesOnThroughAFrameWithoutRates) {
-  Flown run(SensorErrors{}, 12);
+  IntegratedFlight run(SensorErrors{}, 12);
   run.fly(60.0);
   const samples::Navigation before = run.nav();
   run.filter().coast(before.time_us + 1'000'000);
@@ -446,7 +334,7 @@ TEST(Integrated, OutputMovesOnThroughAFrameWithoutRates) {
 }
 
 TEST(Integrated, SameInputSameBits) {
-  Flown one = fighter(13), other = fighter(13);
+  IntegratedFlight one = fighter(13), other = fighter(13);
   one.fly(30.0);
   other.fly(30.0);
   EXPECT_EQ(one.nav().lat, other.nav().lat);

@@ -16,7 +16,6 @@ namespace lodestar::fusion {
 namespace {
 
 using math::square;
-
 using samples::FusionMode;
 using samples::Use;
 using strapdown::GpsPosition;
