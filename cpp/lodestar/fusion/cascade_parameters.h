@@ -49,7 +49,7 @@ struct CascadeParameters : GpsAcceptance {
   double alpha_noise = 0.1 * math::kDegree;  // rad
   double beta_noise = 0.1 * math::kDegree;   // rad
   double airspeed_bias = 1.0;                // m/s
-  double beta_bias = 0.3 * math::kDegree;    // rad
+  double beta_bias = 0.2 * math::kDegree;    // rad
   double air_data_timeout = 1.0;             // s
   double air_data_lost_noise = 2.0;          // (m/s)/sqrt(s)
 
