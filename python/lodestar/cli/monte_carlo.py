@@ -11,12 +11,11 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from lodestar.cli import progress
 from lodestar.cli.common import FLIGHT_FAILED, INTERRUPTED, JsonOption, fail
 from lodestar.errors import InputError
 
 if TYPE_CHECKING:
-    from rich.progress import Progress
-
     from lodestar.studies.campaign import Study
     from lodestar.studies.ensemble import Ensemble
     from lodestar.studies.findings import Findings, Plot
@@ -295,44 +294,9 @@ def _fly(study: Study, seeds: range, store: ParquetStore, workers: int | None) -
 
     kept = f"{store.folder} keeps what was flown, and the same command goes on"
     try:
-        with store.writing(), _progress() as progress:
-            bar = progress.add_task(f"monte-carlo {study.name}", total=None)
-            run(
-                study,
-                seeds,
-                store,
-                LocalPool(workers),
-                lambda done, total: progress.update(bar, completed=done, total=total),
-            )
+        with store.writing(), progress.flights(f"monte-carlo {study.name}") as advance:
+            run(study, seeds, store, LocalPool(workers), advance)
     except KeyboardInterrupt:
         fail(f"stopped by Ctrl-C; {kept}", INTERRUPTED)
     except BrokenProcessPool:
         fail(f"a process ended before its flight did (out of memory?); {kept}", FLIGHT_FAILED)
-
-
-def _progress() -> Progress:
-    from rich.console import Console
-    from rich.progress import (
-        BarColumn,
-        MofNCompleteColumn,
-        Progress,
-        TextColumn,
-        TimeElapsedColumn,
-        TimeRemainingColumn,
-    )
-
-    console = Console(stderr=True)
-    return Progress(
-        TextColumn("{task.description}"),
-        BarColumn(),
-        MofNCompleteColumn(),
-        TextColumn("flights"),
-        TimeElapsedColumn(),
-        TextColumn("left"),
-        TimeRemainingColumn(),
-        console=console,
-        transient=True,
-        disable=not console.is_terminal,
-        # Flights take seconds; the time that is left is told from the last ten minutes of them.
-        speed_estimate_period=600,
-    )
