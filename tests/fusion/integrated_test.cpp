@@ -121,6 +121,23 @@ TEST(Integrated, FliesOnWithoutGpsAndKnowsHowWell) {
   EXPECT_LT(run.position_error().norm(), 10.0);
 }
 
+TEST(Integrated, WithoutGpsTheWindIsTakenToBeAsLivelyAsItsGusts) {
+  std::mt19937 generator(6);
+  strapdown::Parameters sensors;
+  sensors.gust_sigma_min = 1.0;  // a filter that is sure of gusts, in air that has none
+  IntegratedFlight run(SensorErrors::fighter(generator), 6, 0.0, 0.1 * kDegree, sensors);
+  const strapdown::GroundFilter& filter = std::as_const(run.filter()).filter();
+  const double least = strapdown::GroundParameters{}.lost_wind_walk;
+  run.fly(240.0);
+  EXPECT_LT(filter.wind_walk(), 0.5 * least);
+  run.with_gps = false;
+  run.fly(30.0);
+  EXPECT_GE(filter.wind_walk(), least * filter.gust_sigma());
+  run.with_gps = true;
+  run.fly(200.0);
+  EXPECT_LT(filter.wind_walk(), 0.5 * least);
+}
+
 TEST(Integrated, TakesGoodAirspeedHoweverLongThereIsNoGps) {
   IntegratedFlight run = fighter(21);
   run.fly(200.0);

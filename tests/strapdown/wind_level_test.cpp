@@ -85,6 +85,23 @@ TEST(WindLevel, AStepHardlyMovesTheLevelThatLasts) {
   EXPECT_LT(level.walk(), 2.5 * kFloor);
 }
 
+TEST(WindLevel, CanBeHeldUpAndFallsAgain) {
+  WindLevel level = shipped();
+  Air air(5);
+  air.blow(level, 300.0);
+  level.raise(0.1);
+  EXPECT_DOUBLE_EQ(level.walk(), 0.1);
+  EXPECT_EQ(level.step(), 0.0);  // a level that stays is no step
+  level.raise(0.05);             // is exceeded already
+  EXPECT_DOUBLE_EQ(level.walk(), 0.1);
+  level.raise(100.0);
+  EXPECT_DOUBLE_EQ(level.walk(), 2.0);  // the greatest
+  level = shipped();
+  level.raise(0.1);
+  air.blow(level, 200.0, {0.3, 0.0, 0.0});  // too high by far
+  EXPECT_LT(level.walk(), 2.0 * kFloor);
+}
+
 TEST(WindLevel, NothingIsLearntInNoTime) {
   WindLevel level = shipped();
   level.learn({9.0, 9.0, 9.0}, 0.0);

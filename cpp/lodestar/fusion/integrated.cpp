@@ -83,6 +83,7 @@ void Integrated::follow(const samples::Attitude& sahrs) {
                        sahrs.mode != samples::AttitudeMode::kRealigning;
   if (aligned && (!guard_.running() || (guard_.lost() && sahrs.valid))) begin(sahrs);
   guard_.finish_frame();
+  filter().set_gps_lost(ever_aided_ && !fresh(now_us_));
   refresh();
   headings_.add({now_us_, math::wrap_pi(navigation_.heading - sahrs.heading),
                  filter().heading_corrections()});

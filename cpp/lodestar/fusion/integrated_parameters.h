@@ -22,6 +22,9 @@ struct IntegratedParameters : GpsAcceptance {
     visit(self.ground.wind_tau,
           {"wind_tau_s", "s", 10.0, 1e9,
            "Time in which the wind returns to its mean, but for steps, which move the mean"});
+    visit(self.ground.lost_wind_walk,
+          {"lost_wind_walk_rts", "1/sqrt(s)", 1e-6, 10.0,
+           "Least random walk of the wind while GPS is lost, over the level of the gusts"});
     visit(self.ground.gps_error.sigma,
           {"gps_error_sigma_m", "m", 0.01, 1e3, "Slow error of a GPS position, per axis"});
     visit(self.ground.gps_error.tau,

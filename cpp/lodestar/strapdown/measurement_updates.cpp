@@ -134,6 +134,7 @@ void StrapdownFilter<N>::learn_air(double since_last) {
   const double dt = std::clamp(since_last, 0.0, kLongest);
   gust_level_.learn(sum / count, dt);
   wind_level_.learn(normalised, dt);
+  if (gps_lost_) wind_level_.raise(ground_.lost_wind_walk * gust_level_.sigma());
 }
 
 template <int N>

@@ -114,6 +114,9 @@ class StrapdownFilter {
       P_(kMeanWind.offset + axis, kMeanWind.offset + axis) += variance;
     }
   }
+  /// While GPS is lost an error of the wind's level adds up, and among gusts the level can hardly
+  /// be seen: it is held to what comes with gusts of such strength.
+  void set_gps_lost(bool lost) { gps_lost_ = lost; }
 
   Estimate estimate() const;
   /// Lower triangle only; see sparse_update.h.
@@ -187,6 +190,7 @@ class StrapdownFilter {
   Eigen::Vector2d travelled_ = Eigen::Vector2d::Zero();  // m, over the ground since the start
   Corrections corrections_;
   bool has_velocity_ = false;
+  bool gps_lost_ = false;
 
   std::int64_t now_us_ = 0;
   bool have_rates_ = false;

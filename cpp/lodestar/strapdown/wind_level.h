@@ -68,6 +68,12 @@ class WindLevel {
     log_density_ = std::clamp(log_density_ + dt / adaptation_ * surprise, log_base_, log_max_);
   }
 
+  /// The level that stays is no less than `walk` (m/s/sqrt(s)) now.
+  void raise(double walk) {
+    log_base_ = std::clamp(2.0 * std::log(walk), log_base_, log_max_);
+    log_density_ = std::max(log_density_, log_base_);
+  }
+
   double walk() const { return std::exp(0.5 * log_density_); }
   /// What of it is a step of wind: what is far above the level that lasts.
   double step() const {
