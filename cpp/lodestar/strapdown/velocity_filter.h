@@ -114,8 +114,8 @@ class StrapdownFilter {
       P_(kMeanWind.offset + axis, kMeanWind.offset + axis) += variance;
     }
   }
-  /// While GPS is lost an error of the wind's level adds up, and among gusts the level can hardly
-  /// be seen: it is held to what comes with gusts of such strength.
+  /// Whether GPS is lost. While it is, a wind's level that is too low adds up, and among gusts it
+  /// can hardly be seen: it is then at least what comes with gusts of their strength.
   void set_gps_lost(bool lost) { gps_lost_ = lost; }
 
   Estimate estimate() const;
