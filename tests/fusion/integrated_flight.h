@@ -57,7 +57,9 @@ class IntegratedFlight {
   double sahrs_heading() const {
     return math::euler_from_C_NB(sahrs_.q_NB.toRotationMatrix()).heading;
   }
-  Eigen::Vector2d wind_error() const { return nav().wind_N.head<2>() - wind(); }
+  Eigen::Vector2d wind_error() const { return (nav().wind_N - wind_N_before_).head<2>(); }
+  /// From now on the wind changes by `change` (m/s^2, north, east).
+  void change_wind(const Eigen::Vector2d& change) { flight_.wind_change_N.head<2>() = change; }
 
   bool silent = false;  // no body rates
   bool with_gps = true;
@@ -106,6 +108,7 @@ class IntegratedFlight {
     flight_before_ = flight_.position();
     C_NB_before_ = flight_.C_NB();
     v_N_before_ = flight_.v_N();
+    wind_N_before_ = flight_.wind_N();
   }
 
   /// The model's field where the filter was placed: the flight's is another.
@@ -127,6 +130,7 @@ class IntegratedFlight {
   earth::Geodetic flight_before_;
   Eigen::Matrix3d C_NB_before_;
   Eigen::Vector3d v_N_before_;
+  Eigen::Vector3d wind_N_before_;
 };
 
 }  // namespace lodestar::fusion

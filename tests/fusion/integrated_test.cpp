@@ -124,8 +124,11 @@ TEST(Integrated, FliesOnWithoutGpsAndKnowsHowWell) {
 TEST(Integrated, WithoutGpsTheWindIsTakenToBeAsLivelyAsItsGusts) {
   std::mt19937 generator(6);
   strapdown::Parameters sensors;
-  sensors.gust_sigma_min = 1.0;  // a filter that is sure of gusts, in air that has none
-  IntegratedFlight run(SensorErrors::fighter(generator), 6, 0.0, 0.1 * kDegree, sensors);
+  IntegratedParameters parameters;
+  // A filter that is sure of gusts, in air that has none.
+  sensors.gust_sigma_min = parameters.ground.still_gust_sigma = 1.0;
+  IntegratedFlight run(SensorErrors::fighter(generator), 6, 0.0, 0.1 * kDegree, sensors,
+                       parameters);
   const strapdown::GroundFilter& filter = std::as_const(run.filter()).filter();
   const double least = strapdown::GroundParameters{}.lost_wind_walk;
   run.fly(240.0);
@@ -136,6 +139,24 @@ TEST(Integrated, WithoutGpsTheWindIsTakenToBeAsLivelyAsItsGusts) {
   run.with_gps = true;
   run.fly(200.0);
   EXPECT_LT(filter.wind_walk(), 0.5 * least);
+}
+
+TEST(Integrated, StillAirIsKnownForStill) {
+  IntegratedFlight run = fighter(7);
+  run.fly(900.0);
+  EXPECT_LT(std::as_const(run.filter()).filter().wind_walk(), 0.001);
+  EXPECT_LT(std::as_const(run.filter()).filter().gust_sigma(), 0.02);
+  EXPECT_LT(run.wind_error().norm(), 3.0 * run.nav().sigma_wind.norm());
+}
+
+TEST(Integrated, AWindThatChangesTooSlowlyForTheAirDataIsSeenByTheFixes) {
+  IntegratedFlight run = fighter(8);
+  run.fly(600.0);
+  ASSERT_LT(std::as_const(run.filter()).filter().wind_walk(), 0.001);
+  run.change_wind({0.002, -0.001});
+  run.fly(300.0);
+  EXPECT_GT(std::as_const(run.filter()).filter().wind_walk(), 0.006);
+  EXPECT_LT(run.wind_error().norm(), 3.0 * run.nav().sigma_wind.norm());
 }
 
 TEST(Integrated, TakesGoodAirspeedHoweverLongThereIsNoGps) {

@@ -22,6 +22,12 @@ TEST(GustLevel, StaysWithinItsBounds) {
   EXPECT_NEAR(level.sigma(), 5.0, 1e-12);
 }
 
+TEST(GustLevel, FallsInStillAirWhereTheInnovationsHardlyTell) {
+  GustLevel level(1.0, 0.1, 5.0, 10.0);
+  level.learn(1.0, 10.0, true);
+  EXPECT_NEAR(level.sigma(), std::exp(-0.015), 1e-12);
+}
+
 TEST(GustLevel, OneOutlierIsNoStorm) {
   GustLevel level(1.0, 0.1, 5.0, 10.0);
   level.learn(1e9, 1.0 / 30.0);

@@ -113,6 +113,8 @@ class SimulatedFlight {
   /// Where it is; height above the ellipsoid.
   const earth::Geodetic& position() const { return position_; }
   Eigen::Vector3d v_N() const { return v_N(track_) + wind_N_; }
+  const Eigen::Vector3d& wind_N() const { return wind_N_; }
+  Eigen::Vector3d wind_change_N = Eigen::Vector3d::Zero();  // m/s^2, from now on
   samples::GpsFix fix() {
     const earth::Geodetic seen = earth::displaced(position_, noise(errors_.gps_noise));
     samples::GpsFix s;
@@ -129,6 +131,7 @@ class SimulatedFlight {
     const double before = now() - kInterval;
     track_ += kInterval * turn_rate(before + 0.5 * kInterval);
     C_NB_ = attitude(now(), track_);
+    wind_N_ += kInterval * wind_change_N;
     position_ = earth::displaced(position_, 0.5 * kInterval * (v_before + v_N()));
     const double decay = std::exp(-kInterval / 2.8);
     gust_B_ = decay * gust_B_ + noise(errors_.gust_sigma * std::sqrt(1.0 - decay * decay));
@@ -166,7 +169,8 @@ class SimulatedFlight {
   }
   Eigen::Vector3d force_B() const {
     const Eigen::Vector3d v = v_N(track_);
-    const Eigen::Vector3d acceleration = turn_rate(now()) * Eigen::Vector3d(-v.y(), v.x(), 0.0);
+    const Eigen::Vector3d acceleration =
+        turn_rate(now()) * Eigen::Vector3d(-v.y(), v.x(), 0.0) + wind_change_N;
     const Eigen::Vector3d gravity(0.0, 0.0, earth::gravity(kLat, kHeight));
     return C_NB_.transpose() *
            (acceleration + (2.0 * earth_rate() + transport_rate()).cross(v_N()) - gravity);

@@ -28,7 +28,7 @@ class Air {
     double square = 0.0;
     int count = 0;
     for (double t = 0.0; t < duration; t += kInterval, ++count) {
-      std::array<double, Whiteness::kRows> normalised{};
+      std::array<double, WindLevel::kRows> normalised{};
       for (std::size_t row = 0; row < normalised.size(); ++row) {
         wind_[row] = decay * wind_[row] + std::sqrt(1.0 - decay * decay) * normal_(generator_);
         normalised[row] = mix.noise * normal_(generator_) + mix.wander * wind_[row] + mix.steady;
@@ -42,7 +42,7 @@ class Air {
  private:
   std::mt19937 generator_;
   std::normal_distribution<double> normal_;
-  std::array<double, Whiteness::kRows> wind_{};
+  std::array<double, WindLevel::kRows> wind_{};
 };
 
 WindLevel shipped() { return WindLevel(0.1, kFloor, 2.0, 3.0, 50.0); }
@@ -100,6 +100,19 @@ TEST(WindLevel, CanBeHeldUpAndFallsAgain) {
   level.raise(0.1);
   air.blow(level, 200.0, {0.3, 0.0, 0.0});  // too high by far
   EXPECT_LT(level.walk(), 2.0 * kFloor);
+}
+
+TEST(WindLevel, FallsInStillAirWhateverTheAirDataSeem) {
+  WindLevel level = shipped();
+  level.raise(0.1);
+  for (double t = 0.0; t < 200.0; t += kInterval) level.learn({0.1, 0.1, 0.1}, kInterval, true);
+  EXPECT_LT(level.walk(), 1.1 * kFloor);
+}
+
+TEST(WindLevel, WhatIsBelowTheLevelOfTheStartIsNoStep) {
+  WindLevel level = shipped();
+  EXPECT_GT(level.walk(), 3.0 * kFloor);
+  EXPECT_EQ(level.step(), 0.0);
 }
 
 TEST(WindLevel, NothingIsLearntInNoTime) {

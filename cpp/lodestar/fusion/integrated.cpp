@@ -169,6 +169,10 @@ Use Integrated::update(const samples::GpsFix& fix) {
   }
   if (at_once) {
     reacquisition_.cancel();
+    if (ever_aided_) {
+      filter().hear_fix(innovation_.cwiseQuotient(innovation_sigma_),
+                        seconds(fix.time_us - aided_us_));
+    }
     correct(fix, update);
   } else {
     reset(fix, *at, passed);

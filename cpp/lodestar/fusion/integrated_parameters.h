@@ -22,9 +22,23 @@ struct IntegratedParameters : GpsAcceptance {
     visit(self.ground.wind_tau,
           {"wind_tau_s", "s", 10.0, 1e9,
            "Time in which the wind returns to its mean, but for steps, which move the mean"});
+    visit(self.ground.gust_wind_walk,
+          {"gust_wind_walk_rts", "1/sqrt(s)", 0.0, 10.0,
+           "Least random walk of the wind, over the level of the gusts"});
     visit(self.ground.lost_wind_walk,
-          {"lost_wind_walk_rts", "1/sqrt(s)", 1e-6, 10.0,
-           "Least random walk of the wind while GPS is lost, over the level of the gusts"});
+          {"lost_wind_walk_rts", "1/sqrt(s)", 1e-6, 10.0, "The same while GPS is lost"});
+    visit(self.ground.still_wind_walk,
+          {"still_wind_walk_m_s_rts", "m/s/sqrt(s)", 1e-5, 10.0,
+           "Least random walk of the wind where nothing speaks against still air; up to "
+           "[strapdown] wind_walk_min_m_s_rts"});
+    visit(self.ground.still_gust_sigma, {"still_gust_sigma_m_s", "m/s", 0.001, 20.0,
+                                         "Least level of gusts, for that of [strapdown]"});
+    visit(self.ground.still_after,
+          {"still_after_s", "s", 1.0, 1e9,
+           "Time in which a change of the wind stops speaking against still air"});
+    visit(self.ground.still_false_alarm,
+          {"still_false_alarm", "-", 1e-12, 0.5,
+           "Probability, at any one time, that good fixes speak against still air"});
     visit(self.ground.gps_error.sigma,
           {"gps_error_sigma_m", "m", 0.01, 1e3, "Slow error of a GPS position, per axis"});
     visit(self.ground.gps_error.tau,

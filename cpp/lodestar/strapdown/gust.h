@@ -23,15 +23,16 @@ class GustLevel {
         adaptation_(adaptation) {}
 
   /// `normalised_square`: mean over the rows of innovation squared over expected variance; `dt` (s)
-  /// since the last one.
-  void learn(double normalised_square, double dt) {
-    const double surprise = std::min(normalised_square, kLargest) - 1.0;
+  /// since the last one. In `still` air the level falls where innovations hardly tell it.
+  void learn(double normalised_square, double dt, bool still = false) {
+    const double surprise = std::min(normalised_square, kLargest) - (still ? kStill : 1.0);
     log_variance_ = std::clamp(log_variance_ + dt / adaptation_ * surprise, log_min_, log_max_);
   }
 
   double sigma() const { return std::exp(0.5 * log_variance_); }
 
  private:
+  static constexpr double kStill = 1.03;    // of what is expected, and the level stays
   static constexpr double kLargest = 10.0;  // one outlier is not a storm
 
   double log_variance_;

@@ -132,9 +132,14 @@ void StrapdownFilter<N>::learn_air(double since_last) {
     ++count;
   }
   const double dt = std::clamp(since_last, 0.0, kLongest);
-  gust_level_.learn(sum / count, dt);
-  wind_level_.learn(normalised, dt);
-  if (gps_lost_) wind_level_.raise(ground_.lost_wind_walk * gust_level_.sigma());
+  const bool still = kOverGround<N> && still_air_.still();
+  gust_level_.learn(sum / count, dt, still);
+  wind_level_.learn(normalised, dt, still);
+  if constexpr (kOverGround<N>) {
+    still_air_.see_air(gust_level_.sigma(), wind_level_.step(), gps_lost_, dt);
+    const double lost = gps_lost_ ? ground_.lost_wind_walk * gust_level_.sigma() : 0.0;
+    wind_level_.raise(std::max(still_air_.least_walk(), lost));
+  }
 }
 
 template <int N>

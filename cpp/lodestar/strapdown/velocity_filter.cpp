@@ -19,6 +19,12 @@ using math::square;
 constexpr double kUnknownForce = 3.0;  // m/s^2/sqrt(Hz), where none is measured
 constexpr double kLeastTurn = 1e-3;    // rad; a smaller turn of P is put off
 
+/// The least level of the air: with GPS, which can tell, that of still air.
+template <int N>
+double least(double of_air, double of_still_air) {
+  return kOverGround<N> ? std::min(of_air, of_still_air) : of_air;
+}
+
 }  // namespace
 
 template <int N>
@@ -27,10 +33,13 @@ StrapdownFilter<N>::StrapdownFilter(const Parameters& parameters, const GroundPa
       ground_(ground),
       gate_(parameters.gate_false_rejection),
       P_(initial_covariance<N>(parameters)),
-      gust_level_(parameters.gust_sigma, parameters.gust_sigma_min, parameters.gust_sigma_max,
-                  parameters.gust_adaptation),
-      wind_level_(parameters.wind_walk, parameters.wind_walk_min, parameters.wind_walk_max,
-                  parameters.wind_adaptation, parameters.wind_base_adaptation) {
+      gust_level_(parameters.gust_sigma,
+                  least<N>(parameters.gust_sigma_min, ground.still_gust_sigma),
+                  parameters.gust_sigma_max, parameters.gust_adaptation),
+      wind_level_(parameters.wind_walk, least<N>(parameters.wind_walk_min, ground.still_wind_walk),
+                  parameters.wind_walk_max, parameters.wind_adaptation,
+                  parameters.wind_base_adaptation),
+      still_air_(ground, parameters.wind_walk_min) {
   place_.baro_lag = parameters.baro_lag;
   if constexpr (kOverGround<N>) start_ground(P_, ground_);
 }
@@ -168,7 +177,8 @@ ProcessNoise StrapdownFilter<N>::process_noise(double dt) const {
   noise.gust_decay = gust.decay(dt);
   noise.gust_variance.setConstant(gust.added_variance(dt));
   if constexpr (kOverGround<N>) {
-    noise.mean_wind = square(wind_level_.step()) + square(p.wind_walk_min);
+    noise.mean_wind =
+        square(wind_level_.step()) + square(std::min(still_air_.least_walk(), p.wind_walk_min));
     noise.wind_return = 1.0 - std::exp(-dt / ground_.wind_tau);
     noise.gps_error_decay = ground_.gps_error.decay(dt);
     noise.gps_error_variance = ground_.gps_error.added_variance(dt);

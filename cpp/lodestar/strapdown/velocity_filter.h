@@ -22,6 +22,7 @@
 #include "lodestar/strapdown/scaled_flow.h"
 #include "lodestar/strapdown/sparse_update.h"
 #include "lodestar/strapdown/state.h"
+#include "lodestar/strapdown/still_air.h"
 #include "lodestar/strapdown/wind_level.h"
 
 namespace lodestar::strapdown {
@@ -114,6 +115,12 @@ class StrapdownFilter {
       P_(kMeanWind.offset + axis, kMeanWind.offset + axis) += variance;
     }
   }
+  /// Innovations of a fix over their standard deviations (north, east), `dt` (s) after the last
+  /// one: whether they speak against still air.
+  void hear_fix(const Eigen::Vector2d& normalised, double dt) {
+    const double doubt = still_air_.see_fix({normalised.x(), normalised.y()}, dt);
+    if (doubt > 0.0) doubt_ground(Eigen::Vector2d::Zero(), Eigen::Vector2d::Constant(doubt));
+  }
   /// Whether GPS is lost. While it is, a wind's level that is too low adds up, and among gusts it
   /// can hardly be seen: it is then at least what comes with gusts of their strength.
   void set_gps_lost(bool lost) { gps_lost_ = lost; }
@@ -183,6 +190,7 @@ class StrapdownFilter {
   Matrix P_;
   GustLevel gust_level_;
   WindLevel wind_level_;
+  StillAir still_air_;
   FrozenFlow frozen_flow_;
   ScaledFlow scaled_flow_;
   int frozen_ = 0;

@@ -4,40 +4,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
+
+#include "lodestar/strapdown/whiteness.h"
 
 namespace lodestar::strapdown {
-
-/// Whether innovations of the air data are white, by their mean over a while: what a change of wind
-/// leaves in them is not large at any moment but of one sign for seconds, as no noise and no gust
-/// is.
-class Whiteness {
- public:
-  static constexpr int kRows = 3;  // airspeed, alpha, beta
-
-  /// `memory` (s) of the mean.
-  explicit Whiteness(double memory) : memory_(memory) {}
-
-  /// Square of the mean over what it is for white noise: 1 on average if all is well, and smaller
-  /// than kMedian half of the time. `normalised`: innovations over their standard deviations, `dt`
-  /// (s) after the last ones.
-  double see(const std::array<double, kRows>& normalised, double dt) {
-    const double weight = dt / (memory_ + dt);
-    if (!(weight > 0.0)) return kMedian;
-    const double white_variance = weight / (2.0 - weight);
-    double sum = 0.0;
-    for (std::size_t row = 0; row < normalised.size(); ++row) {
-      mean_[row] += weight * (normalised[row] - mean_[row]);
-      sum += mean_[row] * mean_[row];
-    }
-    return sum / (kRows * white_variance);
-  }
-
-  static constexpr double kMedian = 0.789;  // of chi-square with three degrees of freedom, over 3
-
- private:
-  double memory_;
-  std::array<double, kRows> mean_{};
-};
 
 /// How fast the wind changes, learnt from the innovations of the air data: a level that stays, and
 /// what is above it while the wind steps.
@@ -47,6 +18,8 @@ class Whiteness {
 /// own noise: a level that does is too low half of the time, and attitude then follows the wind.
 class WindLevel {
  public:
+  static constexpr std::size_t kRows = 3;  // airspeed, alpha, beta
+
   /// `walk` at the start and its bounds (m/s/sqrt(s)); `adaptation` (s): in which a step dies away
   /// e-fold; `base_adaptation` (s): in which the level that stays can change e-fold.
   WindLevel(double walk, double walk_min, double walk_max, double adaptation,
@@ -55,13 +28,14 @@ class WindLevel {
         log_max_(2.0 * std::log(walk_max)),
         log_base_(log_min_),
         log_density_(2.0 * std::log(std::clamp(walk, walk_min, walk_max))),
+        start_(std::exp(log_density_)),
         adaptation_(adaptation),
         base_adaptation_(base_adaptation) {}
 
   /// Innovations over their standard deviations, `dt` (s) after the last ones; 0 for a row that is
-  /// not to be heard.
-  void learn(const std::array<double, Whiteness::kRows>& normalised, double dt) {
-    const double lasting = lasting_.see(normalised, dt) > Whiteness::kMedian ? 1.0 : -1.0;
+  /// not to be heard. In `still` air the level that stays falls, whatever they say.
+  void learn(const std::array<double, kRows>& normalised, double dt, bool still = false) {
+    const double lasting = lasting_.see(normalised, dt) > kMedian && !still ? 1.0 : -1.0;
     log_base_ = std::clamp(log_base_ + dt / base_adaptation_ * lasting, log_min_, log_max_);
     const double now = std::min(sudden_.see(normalised, dt), kLargest);
     const double surprise = kRise * std::max(now - kStep, 0.0) + std::min(now - 1.0, 0.0);
@@ -75,10 +49,12 @@ class WindLevel {
   }
 
   double walk() const { return std::exp(0.5 * log_density_); }
-  /// What of it is a step of wind: what is far above the level that lasts.
+  /// What of it is a step of wind: what is above the level of the start, and far above the one that
+  /// lasts.
   double step() const {
     constexpr double kFar = 3.0;
-    return std::sqrt(std::max(std::exp(log_density_) - kFar * kFar * std::exp(log_base_), 0.0));
+    const double lasting = std::max(kFar * kFar * std::exp(log_base_), start_);
+    return std::sqrt(std::max(std::exp(log_density_) - lasting, 0.0));
   }
 
  private:
@@ -86,12 +62,15 @@ class WindLevel {
   static constexpr double kRise = 3.0;      // faster than a step dies away
   static constexpr double kLargest = 30.0;  // from calm to a squall in a second
 
-  Whiteness sudden_{1.0};
-  Whiteness lasting_{10.0};
+  static constexpr double kMedian = 0.789;  // of chi-square with three degrees of freedom, over 3
+
+  Whiteness<kRows> sudden_{1.0};
+  Whiteness<kRows> lasting_{10.0};
   double log_min_;
   double log_max_;
   double log_base_;
   double log_density_;
+  double start_;  // m^2/s^3
   double adaptation_;
   double base_adaptation_;
 };
