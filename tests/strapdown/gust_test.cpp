@@ -28,6 +28,14 @@ TEST(GustLevel, FallsInStillAirWhereTheInnovationsHardlyTell) {
   EXPECT_NEAR(level.sigma(), std::exp(-0.015), 1e-12);
 }
 
+TEST(GustLevel, CanBeSetWithinItsBounds) {
+  GustLevel level(1.0, 0.1, 5.0, 10.0);
+  level.set(0.5);
+  EXPECT_NEAR(level.sigma(), 0.5, 1e-12);
+  level.set(0.01);
+  EXPECT_NEAR(level.sigma(), 0.1, 1e-12);
+}
+
 TEST(GustLevel, OneOutlierIsNoStorm) {
   GustLevel level(1.0, 0.1, 5.0, 10.0);
   level.learn(1e9, 1.0 / 30.0);

@@ -42,9 +42,20 @@ TEST(StillAir, GustsSpeakAgainstItAsLongAsTheyBlow) {
   StillAir air = shipped();
   blow(air, 1.0, 2.0);
   EXPECT_FALSE(air.still());
-  EXPECT_DOUBLE_EQ(air.least_walk(), 2.0 * kParameters.gust_wind_walk);
-  blow(air, 1.0, 0.01);
+  const double gusts = std::sqrt(2.0 * 2.0 - StillAir::kCalm * StillAir::kCalm);
+  EXPECT_NEAR(air.least_walk(), gusts * kParameters.gust_wind_walk, 1e-12);
+  blow(air, 1.0, 0.99 * StillAir::kCalm);
   EXPECT_TRUE(air.still());
+  EXPECT_DOUBLE_EQ(air.least_walk(), kParameters.still_wind_walk);
+}
+
+TEST(StillAir, WithoutFixesGustsSpeakLouder) {
+  StillAir air = shipped();
+  blow(air, 1.0, 2.0);
+  const double heard = air.least_walk();
+  blow(air, 1.0, 2.0, 0.0, true);
+  EXPECT_NEAR(air.least_walk() / heard, kParameters.lost_wind_walk / kParameters.gust_wind_walk,
+              1e-9);
 }
 
 TEST(StillAir, AStepOfWindIsRememberedForMinutes) {
@@ -57,13 +68,15 @@ TEST(StillAir, AStepOfWindIsRememberedForMinutes) {
   EXPECT_NEAR(air.least_walk(), kUnknown * std::exp(-1.0), 1e-6);
 }
 
-TEST(StillAir, IsForgottenWithoutFixes) {
+TEST(StillAir, IsForgottenWithoutFixesUntilTheyAreBack) {
   StillAir air = shipped();
-  blow(air, kParameters.still_after, 0.01, 0.0, true);
+  blow(air, kParameters.still_lost, 0.01, 0.0, true);
   EXPECT_FALSE(air.still());
   EXPECT_NEAR(air.least_walk(), kUnknown * (1.0 - std::exp(-1.0)), 1e-6);
-  blow(air, 2.0 * kParameters.still_after, 0.01);
+  blow(air, 60.0, 0.01);
   EXPECT_TRUE(air.still());
+  blow(air, 600.0, 0.01);
+  EXPECT_DOUBLE_EQ(air.least_walk(), kParameters.still_wind_walk);
 }
 
 TEST(StillAir, GoodFixesSpeakAgainstItOnceInTwoHours) {

@@ -102,6 +102,15 @@ TEST(WindLevel, CanBeHeldUpAndFallsAgain) {
   EXPECT_LT(level.walk(), 2.0 * kFloor);
 }
 
+TEST(WindLevel, CanSettleToTheLevelThatStays) {
+  WindLevel level = shipped();
+  level.settle();
+  EXPECT_DOUBLE_EQ(level.walk(), kFloor);
+  level.raise(0.1);
+  level.settle();
+  EXPECT_DOUBLE_EQ(level.walk(), 0.1);
+}
+
 TEST(WindLevel, FallsInStillAirWhateverTheAirDataSeem) {
   WindLevel level = shipped();
   level.raise(0.1);

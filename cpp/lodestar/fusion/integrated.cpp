@@ -182,6 +182,13 @@ Use Integrated::update(const samples::GpsFix& fix) {
   return Use::kUsed;
 }
 
+void Integrated::replace(const samples::Navigation& shown) {
+  const Eigen::Vector3d step = earth::displacement_N(
+      {shown.lat, shown.lon, shown.h}, {navigation_.lat, navigation_.lon, navigation_.h});
+  navigation_.reset_delta = step.head<2>();
+  navigation_.reset_count = static_cast<decltype(navigation_.reset_count)>(shown.reset_count + 1);
+}
+
 Integrated::PositionUpdate Integrated::compare(const samples::GpsFix& fix, const GroundPoint& at) {
   noise_ = fix_noise_.variance(fix.sigma_horizontal);
   const Eigen::Vector3d variance(noise_, noise_, square(fix.sigma_vertical));

@@ -34,6 +34,11 @@ class Integrated {
   /// Where the aircraft is, roughly: see GuardedFilter.
   void set_position(double lat, double lon, double h) { guard_.set_position(lat, lon, h); }
 
+  /// Before the start: there are no gusts, as far as is known.
+  void presume_calm_air() { filter().presume_calm_air(); }
+  /// Goes on in place of another whose output was `shown`, and counts that as a reset.
+  void replace(const samples::Navigation& shown);
+
   void propagate(const samples::BodyRates& rates);
   samples::Use update(const samples::LoadFactor& sample) { return guard_.update(sample); }
   samples::Use update(const samples::MagneticField& sample);  // calibrated

@@ -36,6 +36,8 @@ struct IntegratedParameters : GpsAcceptance {
     visit(self.ground.still_after,
           {"still_after_s", "s", 1.0, 1e9,
            "Time in which a change of the wind stops speaking against still air"});
+    visit(self.ground.still_lost, {"still_lost_s", "s", 1.0, 1e9,
+                                   "Time in which still air is no longer believed without GPS"});
     visit(self.ground.still_false_alarm,
           {"still_false_alarm", "-", 1e-12, 0.5,
            "Probability, at any one time, that good fixes speak against still air"});

@@ -29,6 +29,9 @@ class GustLevel {
     log_variance_ = std::clamp(log_variance_ + dt / adaptation_ * surprise, log_min_, log_max_);
   }
 
+  /// The level is `sigma` (m/s), within its bounds.
+  void set(double sigma) { log_variance_ = std::clamp(2.0 * std::log(sigma), log_min_, log_max_); }
+
   double sigma() const { return std::exp(0.5 * log_variance_); }
 
  private:

@@ -137,8 +137,7 @@ void StrapdownFilter<N>::learn_air(double since_last) {
   wind_level_.learn(normalised, dt, still);
   if constexpr (kOverGround<N>) {
     still_air_.see_air(gust_level_.sigma(), wind_level_.step(), gps_lost_, dt);
-    const double lost = gps_lost_ ? ground_.lost_wind_walk * gust_level_.sigma() : 0.0;
-    wind_level_.raise(std::max(still_air_.least_walk(), lost));
+    wind_level_.raise(still_air_.least_walk());
   }
 }
 

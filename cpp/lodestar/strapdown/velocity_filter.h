@@ -115,14 +115,23 @@ class StrapdownFilter {
       P_(kMeanWind.offset + axis, kMeanWind.offset + axis) += variance;
     }
   }
+  /// Starts with the levels of calm air; they are learnt from there as from any others.
+  void presume_calm_air() {
+    gust_level_.set(StillAir::kCalm);
+    wind_level_.settle();
+  }
+  /// Whether the air still is as presumed: gusts would have raised one level or the other.
+  bool in_calm_air() const {
+    constexpr double kMargin = 1.5;
+    return gust_sigma() < kMargin * StillAir::kCalm && wind_level_.step() == 0.0;
+  }
   /// Innovations of a fix over their standard deviations (north, east), `dt` (s) after the last
   /// one: whether they speak against still air.
   void hear_fix(const Eigen::Vector2d& normalised, double dt) {
     const double doubt = still_air_.see_fix({normalised.x(), normalised.y()}, dt);
     if (doubt > 0.0) doubt_ground(Eigen::Vector2d::Zero(), Eigen::Vector2d::Constant(doubt));
   }
-  /// Whether GPS is lost. While it is, a wind's level that is too low adds up, and among gusts it
-  /// can hardly be seen: it is then at least what comes with gusts of their strength.
+  /// Whether GPS is lost: see still_air.h.
   void set_gps_lost(bool lost) { gps_lost_ = lost; }
 
   Estimate estimate() const;

@@ -48,6 +48,9 @@ class WindLevel {
     log_density_ = std::max(log_density_, log_base_);
   }
 
+  /// There is no more than the level that stays.
+  void settle() { log_density_ = log_base_; }
+
   double walk() const { return std::exp(0.5 * log_density_); }
   /// What of it is a step of wind: what is above the level of the start, and far above the one that
   /// lasts.
