@@ -8,7 +8,8 @@ import pytest
 
 from lodestar.channels import fields
 from lodestar.evaluation.flight_facts import computer
-from lodestar.harness.scenario import load_scenario, simulate
+from lodestar.harness.faults import Fault, inject
+from lodestar.harness.scenario import estimator_config, load_scenario, simulate
 from lodestar.navigator import run
 
 
@@ -46,3 +47,29 @@ def test_a_flight_outside_the_geomagnetic_model_says_so_in_its_report(flight, ea
     answered = run(flight, f"[earth]\n{earth}\n")
     assert set(answered["HEALTH"]["warning"]) == {int(warned)}
     assert ("outside the geomagnetic model's validity" in computer(answered)) == warned
+
+
+def navigation_of_a_minute(scenario, *faults):
+    """NAV of the first minute from the INS's last attitude."""
+    scenario = replace(load_scenario(scenario), duration_s=60.0, initial_heading="init")
+    flight = inject(simulate(scenario, 1), faults, 1)
+    return run(flight, estimator_config(scenario, flight))["NAV"]
+
+
+@pytest.mark.parametrize(
+    ("scenario", "calm"), [("ordinary", True), ("ordinary+air", False), ("turbulence", False)]
+)
+def test_navigation_goes_on_with_the_start_that_the_air_is_like(scenario, calm):
+    nav = navigation_of_a_minute(scenario)
+    changed = np.flatnonzero(np.diff(nav["reset_count"]))
+    assert len(changed) == nav["reset_count"][-1] == int(calm)
+    if calm:
+        at = changed[0]
+        assert nav["time_us"][at] * 1e-6 == pytest.approx(20.0, abs=2.0)
+        assert nav["sigma_attitude"][at + 1, 2] < 0.8 * nav["sigma_attitude"][at, 2]
+
+
+def test_without_air_data_nobody_knows_that_the_air_is_calm():
+    nav = navigation_of_a_minute("ordinary", Fault("dropout", "ADC", 0.0))
+    assert nav["valid"][-1]
+    assert nav["reset_count"][-1] == 0
