@@ -156,6 +156,14 @@ def figures(flown):
     return dict(flown.figures(WINDOW))
 
 
+def test_resets_are_counted_from_the_fault_on():
+    count = np.zeros(1001, np.int16)
+    count[100:] = 1  # before the fault
+    count[500:] = 3
+    count[700:] = 4
+    assert figures(by_hand(reset_count=count))["resets"] == 3.0
+
+
 def test_one_refused_fix_is_no_detection_and_two_in_succession_are():
     once, apart, twice = by_hand(), by_hand(), by_hand()
     count_refused(once, 45)

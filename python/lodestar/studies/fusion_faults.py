@@ -210,7 +210,9 @@ class Flown:
         yield "detect_s", self._detected_after(window)
         yield "believe_s", self._believed_after(window)
         yield "beyond_hpl_share", self._beyond_hpl(time_us >= window.start_s * 1e6)
-        yield "resets", float(self.nav["reset_count"][-1])
+        count = self.nav["reset_count"]
+        before = count[time_us < window.start_s * 1e6]
+        yield "resets", float(count[-1] - (before[-1] if len(before) else 0))
 
     def series(self) -> Iterator[tuple[str, NDArray[np.float32]]]:
         """The errors every SERIES_S, with their times (s)."""
