@@ -247,6 +247,7 @@ def _growth(cells: Sequence[Ensemble]) -> Figure:
         for loss in _long_losses(one)
     }
     figure, axes = _grid(len(losses))
+    protected: dict[str, None] = {}
     for one, (case, (start, end)) in zip(axes, losses, strict=True):
         members = [ensemble for ensemble in cells if ensemble.cell.case == case]
         time = members[0].series("time_s")[0]
@@ -262,6 +263,7 @@ def _growth(cells: Sequence[Ensemble]) -> Figure:
             level = ensemble.series("protection_m")[:, inside]
             if np.isfinite(level).any():
                 one.plot(minutes, np.mean(level, axis=0), ":", color=colour, lw=1.1)
+                protected[ensemble.cell.estimator] = None
         one.set_title(f"{case.rsplit('/', 1)[0]}, {(end - start) / 60:.0f} min", loc="left", size=9)
         one.set_ylim(bottom=1.0)
         _logarithmic(one)
@@ -269,6 +271,7 @@ def _growth(cells: Sequence[Ensemble]) -> Figure:
     styles: list[Style] = [("SAHRS alone", drawing.BEFORE, "-")]
     for name in dict.fromkeys(one.cell.estimator for one in cells):
         styles += [(name, _COLOURS[name], "-"), (f"its σ ({name})", _COLOURS[name], _DASHED)]
+    styles += [(f"its protection level ({name})", _COLOURS[name], ":") for name in protected]
     figure.supylabel("horizontal error, m", fontsize=10)
     figure.supxlabel("since the loss of GPS, min", fontsize=10)
     _legend(figure, styles)
