@@ -24,7 +24,7 @@ struct IntegratedParameters : GpsAcceptance {
            "Time in which the wind returns to its mean, but for steps, which move the mean"});
     visit(self.ground.gust_wind_walk,
           {"gust_wind_walk_rts", "1/sqrt(s)", 0.0, 10.0,
-           "Least random walk of the wind, over the level of the gusts"});
+           "Least random walk of the wind, over the gusts above 0.1 m/s"});
     visit(self.ground.lost_wind_walk,
           {"lost_wind_walk_rts", "1/sqrt(s)", 1e-6, 10.0, "The same while GPS is lost"});
     visit(self.ground.still_wind_walk,
