@@ -15,7 +15,7 @@ struct GroundParameters {
   double still_gust_sigma = 0.005;            // m/s, least level of gusts
   double still_after = 1200.0;                // s, after the wind has changed
   double still_lost = 3600.0;                 // s, without GPS
-  double still_false_alarm = 0.0025;          // that fixes speak against still air
+  double still_false_alarm = 0.001;           // that fixes speak against still air
   math::GaussMarkov gps_error{5.0, 150.0};    // m, per axis; s
   math::GaussMarkov baro_bias{20.0, 1000.0};  // m, true height - baro altitude; s
 };
