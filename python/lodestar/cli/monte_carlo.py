@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from lodestar.cli.campaign import Campaign, study_command
+from lodestar.cli.study_command import Campaign, study_command
 
 app = typer.Typer(
     help="Fly a study many times, on all cores, and tabulate it. It may be stopped and run again.",
@@ -33,7 +33,7 @@ FormOption = Annotated[
 ]
 
 
-@study_command(app, "sahrs", 100, "sahrs --runs 20 --scenario hard --engine jsbsim")
+@study_command(app, "sahrs", 100, "--runs 20 --scenario hard --engine jsbsim")
 def sahrs(
     scenario: ScenarioOption = None,
     engine: Annotated[
@@ -60,7 +60,7 @@ def sahrs(
     )
 
 
-@study_command(app, "fusion", 50, "fusion --runs 10 --scenario ordinary --start init")
+@study_command(app, "fusion", 50, "--runs 10 --scenario ordinary --start init")
 def fusion(
     scenario: Annotated[
         list[str] | None,
@@ -109,7 +109,7 @@ def fusion(
     return Campaign(fusion_study(*variants, course), findings, partial(plots, course=course))
 
 
-@study_command(app, "sahrs-faults", 20, "sahrs-faults --runs 20 --form velocity")
+@study_command(app, "sahrs-faults", 20, "--runs 20 --form velocity")
 def sahrs_faults(engine: EngineOption = None, form: FormOption = None) -> Campaign:
     """SAHRS with bad input: a magnet, frozen airspeed, stuck vane, baro spikes, gyro saturation."""
     from lodestar.studies.sahrs_faults import sahrs_faults_study
@@ -118,7 +118,7 @@ def sahrs_faults(engine: EngineOption = None, form: FormOption = None) -> Campai
     return Campaign(sahrs_faults_study(engine or (), form or ()), findings, plots)
 
 
-@study_command(app, "fusion-faults", 20, "fusion-faults --runs 6 --seed-first 301")
+@study_command(app, "fusion-faults", 20, "--runs 6 --seed-first 301")
 def fusion_faults(
     engine: EngineOption = None,
     filter_: Annotated[
@@ -133,7 +133,7 @@ def fusion_faults(
     return Campaign(fusion_faults_study(engine or (), filter_ or ()), findings, plots)
 
 
-@study_command(app, "ins-monitor", 27, "ins-monitor --runs 27 --form velocity")
+@study_command(app, "ins-monitor", 27, "--runs 27 --form velocity")
 def ins_monitor(
     scenario: ScenarioOption = None,
     engine: EngineOption = None,

@@ -9,21 +9,21 @@ import pytest
 import typer
 from typer.testing import CliRunner
 
-from lodestar.cli import campaign
-from lodestar.cli.campaign import Campaign, study_command
+from lodestar.cli import study_command as module
+from lodestar.cli.study_command import Campaign, study_command
 
 
 def test_each_option_goes_where_it_belongs(monkeypatch: pytest.MonkeyPatch) -> None:
     conducted: list[tuple[object, dict[str, object]]] = []
     app = typer.Typer()
 
-    @study_command(app, "walks", 7, "walks --pace slow")
+    @study_command(app, "walks", 7, "--pace slow")
     def walks(pace: Annotated[str, typer.Option("--pace")] = "fast") -> Campaign:
         """Walks."""
         return SimpleNamespace(study=pace)  # type: ignore[return-value]
 
     monkeypatch.setattr(
-        campaign, "conduct", lambda chosen, **given: conducted.append((chosen.study, given))
+        module, "conduct", lambda chosen, **given: conducted.append((chosen.study, given))
     )
     for words in ([], ["--pace", "slow", "--runs", "2", "--seed-first", "40", "--out", "here"]):
         assert CliRunner().invoke(app, words, catch_exceptions=False).exit_code == 0
@@ -38,7 +38,7 @@ def test_each_option_goes_where_it_belongs(monkeypatch: pytest.MonkeyPatch) -> N
 def test_help_tells_the_options_of_both_and_the_example() -> None:
     app = typer.Typer()
 
-    @study_command(app, "walks", 7, "walks --pace slow")
+    @study_command(app, "walks", 7, "--pace slow")
     def walks(pace: Annotated[str, typer.Option("--pace")] = "fast") -> Campaign:
         """Walks."""
         raise AssertionError

@@ -90,21 +90,21 @@ def study_command(
 ) -> Callable[[Choose], Choose]:
     """Make a command of ``app`` of what chooses a study: its options and those of ``conduct``.
 
-    ``runs``: so many flights of each case by default; ``example``: of a command line.
+    ``runs``: so many flights of each case by default; ``example``: options worth showing.
     """
 
     def register(choose: Choose) -> Choose:
         own = inspect.signature(choose, eval_str=True).parameters
-        _, first, *others = inspect.signature(conduct, eval_str=True).parameters.values()
+        _, runs_option, *others = inspect.signature(conduct, eval_str=True).parameters.values()
 
         def command(**given: Any) -> None:
             campaign = choose(**{option: given.pop(option) for option in own})
             conduct(campaign, **given)
 
-        options = [first.replace(default=runs), *own.values(), *others]
+        options = [runs_option.replace(default=runs), *own.values(), *others]
         command.__signature__ = inspect.Signature(options)  # type: ignore[attr-defined]
         command.__doc__ = choose.__doc__
-        app.command(name, epilog=f"Example: lodestar monte-carlo {example}")(command)
+        app.command(name, epilog=f"Example: lodestar monte-carlo {name} {example}")(command)
         return choose
 
     return register
